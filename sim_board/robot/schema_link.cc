@@ -41,9 +41,9 @@ XmlRule box(XmlCount count) {
 XmlRule mesh() {
   return group_rule(
       "mesh", kOptional, {.meaning = "triangles from a file", .source = kSdf},
-      {text_rule(
-           "uri", kRequired,
-           {.meaning = "binary STL file, relative to the folder of the robot's file", .source = "meshes.md"}),
+      {text_rule("uri", kRequired,
+                 {.meaning = "STL file, binary or ASCII, relative to the folder of the robot's file",
+                  .source = "meshes.md"}),
        numbers_rule(
            "scale", kOptional, 3, {.min = 1e-6, .max = 1000},
            {"1", "1 1 1", "zoom along the mesh's x, y and z: 0.001 for a file in millimetres", kSdf})});

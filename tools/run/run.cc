@@ -96,6 +96,15 @@ void add_ending(const Ending& ending, const simulation::Simulation& simulation, 
              {{"signal", *ending.signal}});
 }
 
+// Also as events, so that the recording says it.
+void report_mesh_faults(const view::RunRecording& recording, simulation::EventLog& events,
+                        const std::function<void(const std::string&)>& warn) {
+  for (const std::string& fault : recording.mesh_faults()) {
+    events.add(0, "mesh", fault);
+    if (warn) warn(fault);
+  }
+}
+
 std::string how_far(const simulation::Simulation& simulation, const std::filesystem::path& folder) {
   return fmt::format("interrupted at {:.2f} s of {:.2f} s; what was recorded is in {}, without summary.json",
                      1e-6 * static_cast<double>(simulation.board().now_us()),
@@ -124,6 +133,7 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   }
   view::RunRecording* const recording_or_none = recording ? &*recording : nullptr;
   simulation::RunRecorder recorder(simulation, &files, recording_or_none);
+  if (recording) report_mesh_faults(*recording, recorder.events(), options.warn);
   if (options.view != nullptr) {
     options.view->start(view::recording_head(simulation), make_network(simulation.robot()));
   }

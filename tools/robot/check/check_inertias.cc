@@ -28,7 +28,7 @@ Eigen::AlignedBox3d extent_of(const sim::LinkDescription& link, MeshStore& meshe
   for (const auto* boxes : {&link.visual_boxes, &link.collisions})
     for (const sim::BoxDescription& box : *boxes) extend(extent, box);
   for (const sim::MeshDescription& description : link.meshes) {
-    const auto& mesh = meshes.of(description.file).mesh;
+    const auto& mesh = meshes.of(description.file).stl.mesh;
     if (!mesh) continue;
     for (const Eigen::Vector3f& vertex : mesh->vertices_m)
       extent.extend(description.X_LG * vertex.cast<double>().cwiseProduct(description.scale));

@@ -8,6 +8,8 @@
 namespace koboshi::tools {
 namespace {
 
+using simulation::Severity;
+
 constexpr double kFarMesh = 8.0;            // sizes of the robot: a mesh in millimetres has a thousand
 constexpr double kSmallMesh = 1.0 / 400.0;  // a mesh that is scaled twice
 
@@ -47,13 +49,14 @@ void check_meshes(CheckedModel& model, double height_m) {
       const ModelPlace& place = model.places.of("link", link.name, description.name);
       const MeshStore::Entry& entry = model.meshes.of(description.file);
       const std::string file = description.file.filename().string();
-      if (!entry.mesh) {
-        model.warn("R010", place, file + ", which cannot be shown", "a binary STL",
-                   "Export the mesh as a binary STL.");
+      if (!entry.stl.mesh) {
+        model.add("R010", entry.stl.is_damaged ? Severity::kError : Severity::kWarning, place,
+                  file + ", which cannot be shown: " + entry.stl.fault, "an STL file, binary or ASCII",
+                  "Export the mesh as STL again.");
         continue;
       }
       if (files.insert(description.file).second) check_file(model, place, file, entry.faults);
-      check_size(model, place, description, *entry.mesh, height_m);
+      check_size(model, place, description, *entry.stl.mesh, height_m);
     }
   }
 }

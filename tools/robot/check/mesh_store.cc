@@ -2,8 +2,6 @@
 
 #include <system_error>
 
-#include "tools/view/capture/stl.h"
-
 namespace koboshi::tools {
 
 const MeshStore::Entry& MeshStore::of(const std::filesystem::path& file) {
@@ -14,8 +12,8 @@ const MeshStore::Entry& MeshStore::of(const std::filesystem::path& file) {
   auto& [known, entry] = place->second;
   if (!is_new && known == state) return entry;
   known = state;
-  entry = {.mesh = view::read_stl(file)};
-  if (entry.mesh) entry.faults = find_mesh_faults(*entry.mesh);
+  entry = {.stl = view::read_stl(file)};
+  if (entry.stl.mesh) entry.faults = find_mesh_faults(*entry.stl.mesh);
   ++reads_;
   return entry;
 }

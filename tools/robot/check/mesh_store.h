@@ -3,10 +3,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <optional>
 
 #include "tools/robot/check/mesh_faults.h"
-#include "tools/view/recording/recording.h"
+#include "tools/view/capture/stl.h"
 
 namespace koboshi::tools {
 
@@ -14,8 +13,8 @@ namespace koboshi::tools {
 class MeshStore {
  public:
   struct Entry {
-    std::optional<view::Mesh> mesh{};  // in the file's unit; none: not a binary STL
-    MeshFaults faults{};
+    view::StlFile stl{};
+    MeshFaults faults{};  // of the mesh, if there is one
   };
 
   const Entry& of(const std::filesystem::path& file);

@@ -159,7 +159,8 @@ RunRecording::RunRecording(const simulation::BareBoard& board, RecordingListener
 RunRecording::RunRecording(const std::filesystem::path& file, const Recording& head,
                            const sim::SimBoard& board, const sim::RobotDescription& robot,
                            std::function<const std::vector<sim::Push>&()> pushes, const Options& options)
-    : board_(board),
+    : mesh_faults_(head.scene.mesh_faults),
+      board_(board),
       robot_(robot),
       pushes_(std::move(pushes)),
       period_us_(options.period_us),

@@ -57,6 +57,8 @@ class RunRecording final : public sim::BusObserver {
 
   // Number of samples, frames, events and pushes lost because the ring was full.
   std::uint64_t dropped() const { return writer_.dropped(); }
+  // Sentences about meshes of the robot that cannot be shown.
+  const std::vector<std::string>& mesh_faults() const { return mesh_faults_; }
 
  private:
   struct TrueJoint {
@@ -77,6 +79,7 @@ class RunRecording final : public sim::BusObserver {
   void write_sample(std::span<const std::byte> bytes);
   void add(const Event& event);
 
+  std::vector<std::string> mesh_faults_;
   const sim::SimBoard& board_;
   const sim::RobotDescription& robot_;
   const std::function<const std::vector<sim::Push>&()> pushes_;

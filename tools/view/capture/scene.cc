@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "sim_board/world/foot.h"
 #include "sim_board/world/support_polygon.h"
@@ -32,15 +33,37 @@ Shape shape_of(const sim::BoxDescription& box) {
 }
 
 // The meshes of a robot by their files, each of which is read once: its servos share one.
-using MeshFiles = std::map<std::filesystem::path, std::optional<Mesh>>;
+struct MeshFile {
+  StlFile stl{};
+  bool is_reported = false;  // a fault of it
+};
+using MeshFiles = std::map<std::filesystem::path, MeshFile>;
 
-std::optional<Shape> shape_of(const sim::MeshDescription& description, MeshFiles& files) {
-  const auto [file, is_new] = files.try_emplace(description.file);
-  if (is_new) file->second = read_stl(description.file);
-  std::optional<Mesh> mesh = file->second;
-  if (!mesh) return {};
+// Returns the mesh, scaled; or why it cannot be shown.
+StlFile scaled_mesh(const StlFile& file, const Eigen::Vector3f& scale) {
+  StlFile scaled = file;
+  if (!scaled.mesh) return scaled;
+  for (Eigen::Vector3f& vertex : scaled.mesh->vertices_m) {
+    vertex = vertex.cwiseProduct(scale);
+    if (!vertex.allFinite()) return {.fault = "a vertex that is too far away"};
+  }
+  return scaled;
+}
+
+// Returns nothing for a mesh that cannot be shown, and appends the reason to `faults`, once for each file.
+std::optional<Shape> shape_of(const sim::MeshDescription& description, const std::string& link,
+                              MeshFiles& files, std::vector<std::string>& faults) {
+  const auto [place, is_new] = files.try_emplace(description.file);
+  MeshFile& file = place->second;
+  if (is_new) file.stl = read_stl(description.file);
   const Eigen::Vector3f scale = description.scale.cast<float>();
-  for (Eigen::Vector3f& vertex : mesh->vertices_m) vertex = vertex.cwiseProduct(scale);
+  auto [mesh, fault, is_damaged] = scaled_mesh(file.stl, scale);
+  if (!mesh) {
+    if (!std::exchange(file.is_reported, true))
+      faults.push_back("The mesh " + description.file.filename().string() + " of " + link +
+                       " cannot be shown: " + fault + ". The link's collision boxes stand for it.");
+    return {};
+  }
   if (scale.prod() < 0.0F) {  // a mirror image has its corners the other way round
     for (auto& triangle : mesh->triangles) std::swap(triangle[1], triangle[2]);
   }
@@ -50,12 +73,13 @@ std::optional<Shape> shape_of(const sim::MeshDescription& description, MeshFiles
                .colour = colour_of(description.colour, kMeshColour)};
 }
 
-std::vector<Shape> visuals_of(const sim::LinkDescription& link, MeshFiles& files) {
+std::vector<Shape> visuals_of(const sim::LinkDescription& link, MeshFiles& files,
+                              std::vector<std::string>& faults) {
   std::vector<Shape> shapes;
   for (const sim::BoxDescription& box : link.visual_boxes) shapes.push_back(shape_of(box));
   bool all_read = true;
   for (const sim::MeshDescription& mesh : link.meshes) {
-    std::optional<Shape> shape = shape_of(mesh, files);
+    std::optional<Shape> shape = shape_of(mesh, link.name, files, faults);
     all_read = all_read && shape;
     if (shape) shapes.push_back(*std::move(shape));
   }
@@ -64,12 +88,12 @@ std::vector<Shape> visuals_of(const sim::LinkDescription& link, MeshFiles& files
   return shapes;
 }
 
-std::vector<Link> links_of(const sim::RobotDescription& robot) {
+std::vector<Link> links_of(const sim::RobotDescription& robot, std::vector<std::string>& mesh_faults) {
   std::vector<Link> links;
   MeshFiles files;
   for (const sim::LinkDescription& description : robot.links) {
     Link link{.name = description.name, .mass_kg = description.mass_kg, .p_LCom_L = description.p_LCom_L};
-    link.visuals = visuals_of(description, files);
+    link.visuals = visuals_of(description, files, mesh_faults);
     for (const sim::BoxDescription& box : description.collisions) link.collisions.push_back(shape_of(box));
     links.push_back(std::move(link));
   }
@@ -154,7 +178,8 @@ std::vector<Shape> shapes_of(const sim::GroundDescription& ground) {
 }  // namespace
 
 Scene make_scene(const sim::RobotDescription& robot, const sim::GroundDescription& ground) {
-  Scene scene{.robot = robot.name, .links = links_of(robot), .ground = shapes_of(ground)};
+  Scene scene{.robot = robot.name, .ground = shapes_of(ground)};
+  scene.links = links_of(robot, scene.mesh_faults);
   if (ground.present) {
     const double length = ground.normal_W.norm();
     scene.planes.push_back({ground.normal_W / length, ground.offset_m});

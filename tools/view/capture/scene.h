@@ -7,7 +7,7 @@
 namespace koboshi::view {
 
 // The shapes of a robot and its ground, ready to be drawn. Visuals are the robot file's boxes and meshes; a
-// link with a mesh in another format than binary STL shows its collision boxes instead. Shapes without a
+// link with a mesh that read_stl() cannot read shows its collision boxes instead. Shapes without a
 // colour in the file get one by their kind.
 Scene make_scene(const sim::RobotDescription& robot, const sim::GroundDescription& ground);
 

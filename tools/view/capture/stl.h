@@ -2,13 +2,22 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "tools/view/recording/recording.h"
 
 namespace koboshi::view {
 
-// Reads a binary STL file: a mesh in the file's unit, in which corners at the same place are one vertex.
-// Nothing for a file of another format.
-std::optional<Mesh> read_stl(const std::filesystem::path& file);
+// The content of an STL file.
+struct StlFile {
+  // In the file's unit; corners at the same place are one vertex, and all are finite.
+  std::optional<Mesh> mesh{};
+  // Why there is no mesh: "a vertex that is no finite number"; empty if there is one.
+  std::string fault{};
+  bool is_damaged = false;  // an STL file with an error, in contrast to a file of another format
+};
+
+// Reads an STL file, binary or ASCII.
+[[nodiscard]] StlFile read_stl(const std::filesystem::path& file);
 
 }  // namespace koboshi::view

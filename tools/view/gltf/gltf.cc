@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 
 namespace koboshi::view {
@@ -184,6 +185,13 @@ class Document {
   std::optional<int> add_shape(const Shape& shape) {
     const auto* mesh = std::get_if<Mesh>(&shape.geometry);
     if (mesh != nullptr && mesh->triangles.empty()) return {};
+    if (mesh != nullptr && !std::ranges::all_of(mesh->vertices_m, [](const Eigen::Vector3f& vertex) {
+          return vertex.allFinite();
+        }))
+      throw sim::InputError(
+          recording_.title, 0,
+          "the mesh " + sim::one_line(shape.name) + " with a vertex that is no finite number",
+          "finite numbers, as glTF permits no others");
     Json node{{"name", shape.name},
               {"translation", vector_json(shape.X_LG.translation())},
               {"rotation", rotation_json(Eigen::Quaterniond(shape.X_LG.linear()).normalized())}};

@@ -63,6 +63,8 @@ struct Scene {
   // Corners of each sole in its link's frame, counter-clockwise from above, by Side; and the sole's link.
   std::array<std::vector<Eigen::Vector3d>, 2> soles_L{};
   std::array<int, 2> sole_links{-1, -1};
+  // Sentences about meshes that cannot be shown. Not recorded.
+  std::vector<std::string> mesh_faults{};
 };
 
 // A column of Sample::values: those of trace.csv (docs/reference/recording.md).
@@ -124,8 +126,8 @@ struct Recording {
   std::string scenario{};  // the text of the file
   std::uint64_t seed = 0;
   std::string stepper{};
-  std::string version{};  // of Koboshi
-  bool complete = true;   // false: interrupted, read up to its last whole block
+  std::string version{};         // of Koboshi
+  bool complete = true;          // false: interrupted, read up to its last whole block
   std::vector<CanNode> nodes{};  // empty in recordings that do not name them
   Scene scene{};
   std::vector<Signal> signals{};

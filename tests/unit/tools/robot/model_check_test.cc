@@ -156,11 +156,11 @@ TEST_F(ModelCheckTest, ReadsAMeshAgainOnlyAfterAChange) {
   fs::copy(source() / "meshes", folder_.path / "meshes");
   const fs::path mesh = folder_.path / "meshes" / "servo.stl";
   MeshStore store;
-  EXPECT_TRUE(store.of(mesh).mesh);
-  EXPECT_TRUE(store.of(mesh).mesh);
+  EXPECT_TRUE(store.of(mesh).stl.mesh);
+  EXPECT_TRUE(store.of(mesh).stl.mesh);
   EXPECT_EQ(store.reads(), 1U);
   test::write_file(mesh, "solid in_ascii\nendsolid in_ascii\n");
-  EXPECT_FALSE(store.of(mesh).mesh);
+  EXPECT_FALSE(store.of(mesh).stl.mesh);
   EXPECT_EQ(store.reads(), 2U);
 }
 

@@ -34,7 +34,7 @@ const std::vector<std::array<Corner, 3>> kSquare{{{{0, 0, 0}, {2, 0, 0}, {2, 2, 
 TEST(Stl, SharesVertices) {
   const test::TemporaryFolder folder;
   test::write_file(folder.path / "square.stl", stl_of(kSquare));
-  const auto mesh = read_stl(folder.path / "square.stl");
+  const auto mesh = read_stl(folder.path / "square.stl").mesh;
   ASSERT_TRUE(mesh);
   EXPECT_EQ(mesh->vertices_m.size(), 4u);
   ASSERT_EQ(mesh->triangles.size(), 2u);
@@ -47,14 +47,77 @@ TEST(Stl, IsNothingInAnotherFormat) {
   for (const std::string& other :
        {std::string("solid square\nendsolid\n"), stl.substr(0, stl.size() - 1), stl + "x", std::string()}) {
     test::write_file(folder.path / "other.stl", other);
-    EXPECT_FALSE(read_stl(folder.path / "other.stl"));
+    const StlFile file = read_stl(folder.path / "other.stl");
+    EXPECT_FALSE(file.mesh);
+    EXPECT_NE(file.fault, "");
   }
-  EXPECT_FALSE(read_stl(folder.path / "none.stl"));
+  EXPECT_FALSE(read_stl(folder.path / "none.stl").mesh);
+}
+
+std::string ascii_of(const std::vector<std::array<Corner, 3>>& triangles) {
+  std::ostringstream text;
+  text << "solid a name with blanks\r\n";
+  for (const auto& corners : triangles) {
+    text << "  FACET NORMAL 0 0 1\n    outer loop\n";
+    for (const Corner& corner : corners)
+      text << "\tvertex " << corner[0] << " +" << corner[1] << " " << corner[2] << "e0\n";
+    text << "    endloop\n  endfacet\n";
+  }
+  text << "endsolid a name with blanks\n";
+  return text.str();
+}
+
+TEST(Stl, ReadsAsciiAsItReadsBinary) {
+  const test::TemporaryFolder folder;
+  test::write_file(folder.path / "binary.stl", stl_of(kSquare));
+  test::write_file(folder.path / "ascii.stl", ascii_of(kSquare));
+  const StlFile binary = read_stl(folder.path / "binary.stl");
+  const StlFile ascii = read_stl(folder.path / "ascii.stl");
+  ASSERT_TRUE(binary.mesh);
+  ASSERT_TRUE(ascii.mesh) << ascii.fault;
+  EXPECT_EQ(ascii.mesh->vertices_m, binary.mesh->vertices_m);
+  EXPECT_EQ(ascii.mesh->triangles, binary.mesh->triangles);
+}
+
+TEST(Stl, RefusesDamagedFiles) {
+  const test::TemporaryFolder folder;
+  const auto fault_of = [&](const std::string& content) {
+    test::write_file(folder.path / "damaged.stl", content);
+    const StlFile file = read_stl(folder.path / "damaged.stl");
+    EXPECT_FALSE(file.mesh);
+    EXPECT_TRUE(file.is_damaged);
+    return file.fault;
+  };
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  for (const float value : {kNan, kInfinity, -kInfinity})
+    EXPECT_EQ(fault_of(stl_of({{{{0, 0, 0}, {2, value, 0}, {2, 2, 0}}}})),
+              "a vertex that is no finite number");
+  const std::string good = ascii_of(kSquare);
+  for (const std::string number : {"nan", "inf", "1e99", "-1e999"})
+    EXPECT_EQ(fault_of(std::string(good).replace(good.find("+2"), 2, number)),
+              "a vertex that is no finite number");
+  EXPECT_EQ(fault_of(std::string(good).replace(good.find("+2"), 2, "two")),
+            "in line 5 'two' instead of a number");
+  EXPECT_EQ(fault_of(good.substr(0, good.find("endloop"))), "in line 6 the end instead of endloop");
+  EXPECT_EQ(fault_of("solid empty\nendsolid\n"), "no triangle");
 }
 
 const sim::RobotDescription& default_robot() {
   static const sim::RobotDescription robot = sim::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
   return robot;
+}
+
+TEST(Scene, SaysWhichMeshItCannotShow) {
+  const test::TemporaryFolder folder;
+  test::write_file(folder.path / "helmet.stl", "no mesh");
+  sim::RobotDescription robot = default_robot();
+  EXPECT_TRUE(make_scene(robot, {}).mesh_faults.empty());
+  robot.links[1].meshes.front().file = folder.path / "helmet.stl";
+  const Scene scene = make_scene(robot, {});
+  ASSERT_EQ(scene.mesh_faults.size(), 1u);
+  EXPECT_THAT(scene.mesh_faults.front(),
+              testing::StartsWith("The mesh helmet.stl of " + robot.links[1].name + " cannot be shown: "));
 }
 
 TEST(Scene, HoldsEveryLinkWithItsShapes) {
