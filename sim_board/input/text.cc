@@ -26,6 +26,32 @@ std::string_view trim(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
+bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80; }
+
+// Bytes of the character that begins at `at`, in valid UTF-8.
+std::size_t character_length(std::string_view text, std::size_t at) {
+  std::size_t length = 1;
+  while (at + length < text.size() && is_continuation(text[at + length])) ++length;
+  return length;
+}
+
+// Unicode's property White_Space, and the marks without width that no one can see either.
+bool is_blank(std::string_view character) {
+  static constexpr std::array<std::string_view, 27> kBlanks{
+      " ",      "\t",     "\n",     "\r",     "\v",     "\f",     "\u00A0", "\u1680", "\u2000",
+      "\u2001", "\u2002", "\u2003", "\u2004", "\u2005", "\u2006", "\u2007", "\u2008", "\u2009",
+      "\u200A", "\u200B", "\u2028", "\u2029", "\u202F", "\u205F", "\u2060", "\u3000", "\uFEFF"};
+  return std::find(kBlanks.begin(), kBlanks.end(), character) != kBlanks.end();
+}
+
+// C0, DEL, C1 (U+0080 to U+009F), and the two line separators of Unicode.
+bool is_control(std::string_view character) {
+  const auto first = static_cast<unsigned char>(character.front());
+  if (character.size() == 1) return first < 0x20 || first == 0x7F;
+  if (character.size() == 2) return first == 0xC2 && static_cast<unsigned char>(character[1]) < 0xA0;
+  return character == "\u2028" || character == "\u2029";
+}
+
 template <class Value>
 std::optional<Value> parse_whole(std::string_view text) {
   text = trim(text);
@@ -114,6 +140,46 @@ std::size_t find_invalid_utf8(std::string_view text) {
   return std::string_view::npos;
 }
 
+void require_utf8(std::string_view text, const std::filesystem::path& source, bool has_lines) {
+  const std::size_t bad = find_invalid_utf8(text);
+  if (bad == std::string_view::npos) return;
+  const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(bad), '\n') + 1;
+  throw InputError(source, has_lines ? static_cast<int>(line) : 0, "a byte that is not UTF-8", "UTF-8 text");
+}
+
+std::string name_fault(std::string_view name) {
+  if (name.empty()) return "an empty text";
+  if (find_invalid_utf8(name) != std::string_view::npos) return "a byte that is not UTF-8";
+  bool is_first = true;
+  bool was_blank = false;
+  for (std::size_t i = 0; i < name.size();) {
+    const std::size_t length = character_length(name, i);
+    const std::string_view character = name.substr(i, length);
+    if (is_control(character)) return "a control character";
+    was_blank = is_blank(character);
+    if (was_blank && is_first) return "white space at its beginning";
+    is_first = false;
+    i += length;
+  }
+  return was_blank ? "white space at its end" : "";
+}
+
+std::string_view trimmed_name(std::string_view text) {
+  while (!text.empty()) {
+    const std::string_view first = text.substr(0, character_length(text, 0));
+    if (!is_blank(first) && !is_control(first)) break;
+    text.remove_prefix(first.size());
+  }
+  while (!text.empty()) {
+    std::size_t begin = text.size() - 1;
+    while (begin > 0 && is_continuation(text[begin])) --begin;
+    const std::string_view last = text.substr(begin);
+    if (!is_blank(last) && !is_control(last)) break;
+    text.remove_suffix(last.size());
+  }
+  return text;
+}
+
 std::optional<double> parse_number(std::string_view text) {
   const auto value = parse_whole<double>(text);
   return value && std::isfinite(*value) ? value : std::nullopt;
@@ -181,12 +247,28 @@ std::string number_text(double value) {
   return std::string(buffer.data(), result.ptr);
 }
 
+std::string utf8_text(std::string_view text) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string valid;
+  while (!text.empty()) {
+    const std::size_t bad = std::min(find_invalid_utf8(text), text.size());
+    valid += text.substr(0, bad);
+    if (bad == text.size()) break;
+    const auto byte = static_cast<unsigned char>(text[bad]);
+    valid += {'\\', 'x', kDigits[byte >> 4], kDigits[byte & 15U]};
+    text.remove_prefix(bad + 1);
+  }
+  return valid;
+}
+
 std::string one_line(std::string_view text) {
-  std::string line(text.substr(0, kMaxQuoteLength));
+  std::size_t length = std::min(text.size(), kMaxQuoteLength);
+  while (length < text.size() && length > 0 && is_continuation(text[length])) --length;
+  std::string line = utf8_text(text.substr(0, length));
   for (char& c : line) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
   }
-  if (text.size() > kMaxQuoteLength) line += "...";
+  if (text.size() > length) line += "...";
   return line;
 }
 

@@ -31,6 +31,19 @@ std::string read_text_file(const std::filesystem::path& file, const std::string&
 // std::string_view::npos if there is none.
 std::size_t find_invalid_utf8(std::string_view text);
 
+// Throws InputError with the line of the first byte that is not UTF-8. `has_lines`: whether `source` is a
+// file.
+void require_utf8(std::string_view text, const std::filesystem::path& source, bool has_lines = true);
+// Returns the text with \xNN in place of each byte that is not UTF-8.
+std::string utf8_text(std::string_view text);
+
+// The rule for all names (of robots, links, joints, servo types, materials, motions, poses, files): at least
+// one character, no control characters (also U+0080 to U+009F), no white space at either end. Returns the
+// violation, "white space at its end"; empty if there is none.
+std::string name_fault(std::string_view name);
+// Returns the text without white space and control characters at its ends.
+std::string_view trimmed_name(std::string_view text);
+
 // Parses a finite decimal number, with optional surrounding blanks. Returns nothing for any other text.
 // Independent of the locale.
 std::optional<double> parse_number(std::string_view text);
@@ -56,7 +69,8 @@ std::string number_text(double value);
 std::string count_text(std::uint64_t count, const std::string& singular);
 // Formats an angle in degrees, rounded to 1e-4.
 std::string degrees_text(double angle_rad);
-// Converts text from a file for one line of a message: replaces control characters and truncates long text.
+// Converts text from a file for one line of a message: replaces control characters, escapes bytes that are
+// not UTF-8 as utf8_text() does, and truncates long text between two characters.
 std::string one_line(std::string_view text);
 
 }  // namespace koboshi::sim

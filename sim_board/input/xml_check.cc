@@ -3,6 +3,9 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
+#include <utility>
+
+#include "sim_board/input/units.h"
 
 namespace koboshi::sim {
 namespace {
@@ -12,6 +15,49 @@ using tinyxml2::XMLElement;
 using tinyxml2::XMLNode;
 
 std::string tag(std::string_view name) { return "<" + one_line(name) + ">"; }
+
+struct Value {
+  std::string found;
+  std::string expected;
+};
+
+// What the rule of an element or an attribute says of its value.
+struct Permitted {
+  explicit Permitted(const XmlRule& rule)
+      : content(rule.content),
+        numbers(rule.numbers),
+        range(rule.range),
+        choices(rule.choices),
+        unit(rule.note.unit) {}
+  explicit Permitted(const XmlAttributeRule& rule)
+      : content(rule.content), numbers(1), range(rule.range), choices(rule.choices), unit(rule.note.unit) {}
+
+  bool holds(const std::string& text) const { return is_valid_value(text, content, numbers, range, choices); }
+
+  XmlContent content;
+  std::size_t numbers;
+  const NumberRange& range;
+  const std::vector<std::string>& choices;
+  const std::string& unit;
+};
+
+// Describes a value that is not permitted. A name is in quotes, so that white space at its end shows.
+Value describe_value(const std::string& name, const std::string& text, const Permitted& permitted) {
+  std::string expected =
+      describe_values(permitted.content, permitted.numbers, permitted.range, permitted.choices);
+  const std::string fault = name_fault(text);
+  if (permitted.content == XmlContent::kText && !text.empty() && !fault.empty() &&
+      (permitted.choices.empty() || permitted.holds(std::string(trimmed_name(text)))))
+    return {name + " = \"" + one_line(text) + "\"", "a text without " + fault};
+  const auto values = parse_numbers(text);
+  if (permitted.content == XmlContent::kNumbers && values && values->size() == permitted.numbers) {
+    const std::string question = unit_question(*values, permitted.unit, [&](double value) {
+      return value >= permitted.range.min && value <= permitted.range.max;
+    });
+    if (!question.empty()) expected += " in " + permitted.unit + "; " + question;
+  }
+  return {name + " = " + one_line(text), std::move(expected)};
+}
 
 // Checks elements against their rules.
 class Checker {
@@ -44,10 +90,10 @@ class Checker {
         add(XmlFaultKind::kUnknownAttribute, element, attribute->Name(), attribute->GetLineNum(),
             "the unknown attribute " + one_line(attribute->Name()) + " of " + tag(rule.name),
             alternatives(rule.attributes, "no attribute"), rule, names_of(rule.attributes));
-      } else if (!is_valid_value(attribute->Value(), known->content, 1, known->range, known->choices)) {
-        add(XmlFaultKind::kAttributeValue, element, known->name, attribute->GetLineNum(),
-            known->name + " = " + one_line(attribute->Value()),
-            describe_values(known->content, 1, known->range, known->choices), rule, {}, &*known);
+      } else if (const Permitted permitted(*known); !permitted.holds(attribute->Value())) {
+        const Value value = describe_value(known->name, attribute->Value(), permitted);
+        add(XmlFaultKind::kAttributeValue, element, known->name, attribute->GetLineNum(), value.found,
+            value.expected, rule, {}, &*known);
       }
     }
     for (const XmlAttributeRule& r : rule.attributes) {
@@ -101,10 +147,9 @@ class Checker {
           "the element " + tag(child->Name()) + " in " + tag(rule.name), "a value", rule);
     }
     const char* text = element.GetText();
-    if (!is_valid_value(text ? text : "", rule.content, rule.numbers, rule.range, rule.choices)) {
-      add(XmlFaultKind::kValue, element, {}, element.GetLineNum(),
-          tag(rule.name) + " = " + one_line(text ? text : ""),
-          describe_values(rule.content, rule.numbers, rule.range, rule.choices), rule);
+    if (const Permitted permitted(rule); !permitted.holds(text ? text : "")) {
+      const Value value = describe_value(tag(rule.name), text ? text : "", permitted);
+      add(XmlFaultKind::kValue, element, {}, element.GetLineNum(), value.found, value.expected, rule);
     }
   }
 

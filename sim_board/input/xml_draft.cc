@@ -2,23 +2,15 @@
 
 #include <tinyxml2.h>
 
-#include <cctype>
 #include <string_view>
+
+#include "sim_board/input/xml_parse.h"
 
 namespace koboshi::sim {
 namespace {
 
 using tinyxml2::XMLElement;
 using tinyxml2::XMLNode;
-
-// Returns "XML error: mismatched element" for tinyxml2's XML_ERROR_MISMATCHED_ELEMENT.
-std::string describe_error(const tinyxml2::XMLDocument& document) {
-  std::string name = document.ErrorName();
-  constexpr std::string_view kPrefix = "XML_ERROR_";
-  if (name.starts_with(kPrefix)) name.erase(0, kPrefix.size());
-  for (char& c : name) c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return "XML error: " + name;
-}
 
 // The draft owns the document, so that it may change what its nodes only show.
 XMLElement& changeable(const XmlNode& node) { return const_cast<XMLElement&>(node.element()); }
@@ -29,11 +21,9 @@ std::string quoted_tag(std::string_view name) { return "<" + one_line(name) + ">
 
 XmlDraft::XmlDraft(std::filesystem::path file, const std::string& text, const XmlRule& root_rule)
     : path_(std::move(file)), document_(std::make_unique<tinyxml2::XMLDocument>()) {
-  if (document_->Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    throw InputError(path_, document_->ErrorLineNum(), describe_error(*document_), "well-formed XML");
-  }
+  parse_xml_text(*document_, text, path_);
   const XMLElement* root = document_->RootElement();
-  if (!root) throw InputError(path_, 0, "no element", quoted_tag(root_rule.name));
+  if (!root) throw InputError(path_, 1, "no element", quoted_tag(root_rule.name));
   if (root->Name() != root_rule.name) {
     throw InputError(path_, root->GetLineNum(), quoted_tag(root->Name()), quoted_tag(root_rule.name));
   }

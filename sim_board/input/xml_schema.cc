@@ -29,7 +29,7 @@ bool is_valid_value(const std::string& text, XmlContent content, std::size_t num
   const auto within = [&](double v) { return v >= range.min && v <= range.max; };
   switch (content) {
     case XmlContent::kText:
-      return choices.empty() ? !text.empty() : is_choice(text, choices);
+      return choices.empty() ? name_fault(text).empty() : is_choice(text, choices);
     case XmlContent::kInteger: {
       const auto value = parse_integer(text);
       if (!value || !within(static_cast<double>(*value))) return false;

@@ -15,7 +15,7 @@ enum class XmlCount { kOptional, kRequired, kRepeated };
 
 enum class XmlContent {
   kChildren,  // elements only, those of the rule
-  kText,      // not empty
+  kText,      // as name_fault() permits
   kNumbers,   // as many as the rule requires, finite and within its range
   kInteger,
   kAnything  // not checked

@@ -58,6 +58,8 @@ bool YamlValue::boolean() const {
 
 std::string YamlValue::text() const {
   if (node_->kind != YamlNode::Kind::kScalar || node_->scalar.empty()) throw error("a text");
+  if (const std::string fault = name_fault(node_->scalar); !fault.empty())
+    throw error("a text without " + fault);
   return node_->scalar;
 }
 

@@ -39,7 +39,7 @@ class YamlValue {
   double number(const NumberRange& range = {}) const;
   std::int64_t integer(const IntegerRange& range = {}) const;
   bool boolean() const;      // true or false
-  std::string text() const;  // not empty
+  std::string text() const;  // a name, a path: as name_fault() permits
   std::string one_of(std::span<const std::string> names) const;
   YamlMap map() const;
   std::vector<YamlValue> list() const;

@@ -14,6 +14,9 @@
 namespace koboshi::sim {
 namespace {
 
+// Far below the depth at which yaml-cpp gives up with "bad file" (500), and far above that of any file.
+constexpr std::size_t kMaxDepth = 100;
+
 // Source of the text, for messages.
 struct Source {
   YamlSource name;
@@ -91,6 +94,8 @@ class TreeBuilder final : public YAML::EventHandler {
 
   void take_key(YamlNode::Kind kind, const YAML::Mark& mark, const std::string& key) {
     if (kind != YamlNode::Kind::kScalar || key.empty()) fail(mark, "an empty key", "a name");
+    if (const std::string fault = name_fault(key); !fault.empty())
+      fail(mark, "the key \"" + one_line(key) + "\"", "a name without " + fault);
     Level& level = levels_.back();
     const auto [first, is_new] = level.lines.emplace(key, line_of(mark, source_));
     if (!is_new) {
@@ -107,6 +112,10 @@ class TreeBuilder final : public YAML::EventHandler {
 
   void open(YamlNode::Kind kind, const YAML::Mark& mark) {
     if (!levels_.empty() && levels_.back().awaits_key()) fail(mark, "a map or list as a key", "a name");
+    if (levels_.size() == kMaxDepth) {
+      const std::string limit = std::to_string(kMaxDepth);
+      fail(mark, "maps and lists nested deeper than " + limit + " levels", "at most " + limit + " levels");
+    }
     levels_.push_back({.node = make_node(kind, mark), .key = {}});
   }
 
@@ -153,11 +162,7 @@ class TreeBuilder final : public YAML::EventHandler {
 };
 
 YamlNode parse_any(const std::string& text, const Source& source) {
-  if (const std::size_t bad = find_invalid_utf8(text); bad != std::string_view::npos) {
-    const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(bad), '\n') + 1;
-    throw InputError(source.name.path(), source.has_lines ? static_cast<int>(line) : 0,
-                     "a byte that is not UTF-8", "UTF-8 text");
-  }
+  require_utf8(text, source.name.path(), source.has_lines);
   TreeBuilder builder(source);
   TreeBuilder rest(source);
   try {
@@ -251,7 +256,7 @@ Override parse_override(const std::string& argument) {
 YamlNode parse_yaml(const std::string& text, const std::filesystem::path& source) {
   YamlNode root = parse_any(text, {YamlSource(source)});
   if (root.kind == YamlNode::Kind::kNull)
-    throw InputError(source, 0, "an empty file", "a map of keys and values");
+    throw InputError(source, 1, "an empty file", "a map of keys and values");
   if (root.kind != YamlNode::Kind::kMap) {
     throw InputError(source, root.line, "a document that is no map", "a map of keys and values");
   }

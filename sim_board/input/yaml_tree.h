@@ -59,7 +59,8 @@ struct Override {
 Override parse_override(const std::string& argument);
 
 // Parses one document whose root is a map. Throws InputError for text that is not UTF-8, malformed YAML, a
-// second document, a duplicate key, a key that is not plain text, an alias, or a tag.
+// second document, a duplicate key, a key that is not plain text or no name (name_fault()), an alias, a tag,
+// or more than 100 nested maps and lists.
 YamlNode parse_yaml(const std::string& text, const std::filesystem::path& source);
 
 // Writes a document that parse_yaml reads back with the same values: the root's keys and the items of their

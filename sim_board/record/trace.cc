@@ -32,6 +32,14 @@ char* put_seconds(char* out, char* end, std::uint64_t time_us) {
   return out;
 }
 
+// A name of a robot's file may hold commas and quotes (RFC 4180).
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"") == std::string::npos) return text;
+  std::string cell = "\"";
+  for (const char c : text) cell += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return cell + '"';
+}
+
 // Writes a comma and the cell.
 char* put_cell(char* out, char* end, const TraceColumn& column, std::uint64_t cell) {
   *out++ = ',';
@@ -61,7 +69,7 @@ TraceFormatter::TraceFormatter(std::vector<TraceColumn> columns)
 
 std::string TraceFormatter::header() const {
   std::string header = "time_s";
-  for (const TraceColumn& column : columns_) header += ',' + column.title();
+  for (const TraceColumn& column : columns_) header += ',' + csv_cell(column.title());
   return header + '\n';
 }
 

@@ -53,9 +53,10 @@ struct MeshDescription {
 
 struct LinkDescription {
   std::string name;
+  int line = 0;  // in the file; 0: not from a file
   Eigen::Isometry3d X_ML = Eigen::Isometry3d::Identity();
   double mass_kg = 0.0;
-  int mass_line = 0;                                       // line in the file; 0: not from a file
+  int mass_line = 0;                                       // as `line`
   Eigen::Vector3d p_LCom_L = Eigen::Vector3d::Zero();      // centre of mass in the link's frame
   Eigen::Matrix3d I_LCom_L = Eigen::Matrix3d::Identity();  // inertia about the CoM, axes of the link
   std::vector<BoxDescription> collisions;
@@ -159,6 +160,7 @@ struct DriveDescription {
 // Every joint is a hinge.
 struct JointDescription {
   std::string name;
+  int line = 0;                                       // in the file; 0: not from a file
   int parent = -1;                                    // index of a link
   int child = -1;                                     // index of a link
   Eigen::Vector3d p_MJ = Eigen::Vector3d::Zero();     // anchor at joint zero
@@ -190,6 +192,7 @@ struct ChannelDescription {
 
 struct ImuDescription {
   std::string name;
+  int line = 0;  // in the file; 0: not from a file
   int link = -1;
   Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();
   ChannelDescription gyro;           // rad/s
@@ -201,6 +204,7 @@ struct ImuDescription {
 // S is at the sensor.
 struct AnkleSensorDescription {
   std::string name;
+  int line = 0;                                            // in the file; 0: not from a file
   int joint = -1;                                          // the hinge whose child is the foot
   Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();  // in the foot link's frame
   double height_above_sole_m = 0.0;                        // d of the paper's equation 1
@@ -218,6 +222,7 @@ struct MirroredJoint {
 struct RobotDescription {
   std::string name;
   std::filesystem::path file;
+  int line = 0;                               // of the model in the file; 0: not from a file
   std::vector<LinkDescription> links;         // links[0] is the base (trunk)
   std::vector<JointDescription> joints;       // in the order of node ids; parents may be in any order
   std::optional<BatteryDescription> battery;  // without it, each servo has its own supply

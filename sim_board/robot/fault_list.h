@@ -42,6 +42,7 @@ void find_link_faults(const XmlNode& link, const std::filesystem::path& folder, 
 void find_joint_faults(const XmlNode& joint, FaultList& faults);
 void find_servo_faults(const XmlNode& servo_type, FaultList& faults);
 void find_sensor_faults(const XmlNode& sensor, FaultList& faults);
+void find_unit_faults(const XmlNode& model, FaultList& faults);
 // Of the model as a whole; requires that all references are sound.
 void find_tree_faults(const XmlNode& model, FaultList& faults);
 void find_sensor_set_faults(const XmlNode& model, FaultList& faults);

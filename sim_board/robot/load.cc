@@ -102,8 +102,7 @@ Eigen::Isometry3d to_isometry(const ignition::math::Pose3d& pose) {
 }
 
 InputError unknown_to_libsdformat(const XmlNode& node) {
-  return node.error("the name '" + one_line(node.attribute("name")) + "'",
-                    "a name by which libsdformat finds it, without white space at its ends and without ::");
+  return node.error("the name " + one_line(node.attribute("name")), "a name by which libsdformat finds it");
 }
 
 int found_link(const RobotDescription& robot, const XmlNode& node, const std::string& name) {
@@ -137,6 +136,7 @@ RobotDescription load_robot(const std::filesystem::path& file, const std::string
   RobotDescription robot;
   robot.name = model.Name();
   robot.file = file;
+  robot.line = model_node.line();
   load_links(model, model_node, robot);
   load_joints(model, model_node, robot);
   if (const auto battery = model_node.find("koboshi:battery")) {

@@ -28,6 +28,7 @@ JointDescription load_joint(const sdf::Joint& joint, const XmlNode& node, const 
                             const ServoTypes& servo_types) {
   JointDescription description;
   description.name = joint.Name();
+  description.line = node.line();
   description.parent = found_link(robot, node.child("parent"), node.child("parent").text());
   description.child = found_link(robot, node.child("child"), node.child("child").text());
   description.p_MJ = resolve_pose(joint.SemanticPose(), "__model__", node).translation();

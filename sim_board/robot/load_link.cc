@@ -79,6 +79,7 @@ void load_visual(const sdf::Visual& visual, const XmlNode& node, const std::file
 LinkDescription load_link(const sdf::Link& link, const XmlNode& node, const std::filesystem::path& folder) {
   LinkDescription description;
   description.name = link.Name();
+  description.line = node.line();
   description.X_ML = resolve_pose(link.SemanticPose(), "__model__", node);
 
   const auto& inertial = link.Inertial();

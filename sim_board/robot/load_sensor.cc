@@ -43,6 +43,7 @@ void load_imus(const sdf::Link& link, const XmlNode& link_node, RobotDescription
   for (const XmlNode& node : link_node.children("sensor")) {
     const sdf::Sensor& sensor = found_part(link.SensorByName(node.attribute("name")), node);
     robot.imu = ImuDescription{.name = sensor.Name(),
+                               .line = node.line(),
                                .link = found_link(robot, link_node, link.Name()),
                                .X_LS = resolve_pose(sensor.SemanticPose(), link.Name(), node),
                                .gyro = load_channel(node, "koboshi:gyro"),
@@ -61,6 +62,7 @@ void load_ankle_sensors(const sdf::Joint& joint, const XmlNode& joint_node, Robo
     const int foot_index = robot.joints[static_cast<std::size_t>(joint_index)].child;
     const LinkDescription& foot = robot.links[static_cast<std::size_t>(foot_index)];
     AnkleSensorDescription sensor{.name = name,
+                                  .line = node.line(),
                                   .joint = joint_index,
                                   // libsdformat 12 does not resolve the frame of a joint's sensor: its pose
                                   // is relative to the joint's frame.

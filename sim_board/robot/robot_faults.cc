@@ -74,7 +74,19 @@ class ReferenceCheck {
   FaultList& faults_;
 };
 
-// Checks the servo types and the joints' references to them. A library with an error is left to the reader.
+// Adds the names of a library. Throws InputError for the first fault in it.
+void take_library(const std::filesystem::path& file, Names& types) {
+  const XmlFile library(file, servo_library_rule());
+  for (const XmlNode& type : library.root().children("koboshi:servo_type")) {
+    FaultList faults;
+    find_servo_faults(type, faults);
+    if (!faults.faults().empty()) throw faults.faults().front().error();
+    const std::string name = type.attribute("name");
+    if (!types.insert(name).second) throw type.error("a second servo type " + name, "each name once");
+  }
+}
+
+// Checks the servo types and the joints' references to them.
 void find_servo_type_faults(const XmlNode& model, const std::filesystem::path& folder, FaultList& faults) {
   Names types;
   for (const XmlNode& type : model.children("koboshi:servo_type")) {
@@ -95,10 +107,13 @@ void find_servo_type_faults(const XmlNode& model, const std::filesystem::path& f
       continue;
     }
     try {
-      const XmlFile library(file, servo_library_rule());
-      for (const XmlNode& type : library.root().children("koboshi:servo_type"))
-        types.insert(type.attribute("name"));
-    } catch (const InputError&) {
+      take_library(file, types);
+    } catch (const InputError& error) {
+      faults.add(RobotFaultKind::kServoType, node,
+                 "file = " + one_line(node.attribute("file")) +
+                     (error.line() > 0 ? ", in line " + std::to_string(error.line()) + " " : ", ") +
+                     error.found(),
+                 error.expected(), "file");
       is_complete = false;
     }
   }
@@ -134,6 +149,7 @@ bool has_sound_names(const FaultList& faults) {
 std::vector<RobotFault> find_robot_faults(const XmlNode& model, const std::filesystem::path& folder,
                                           const std::vector<XmlNode>& broken) {
   FaultList faults(broken);
+  find_unit_faults(model, faults);  // first: other faults may follow from the wrong unit
   ReferenceCheck references(model, faults);
   for (const XmlNode& link : faults.sound_children(model, "link")) {
     references.check_link(link);

@@ -21,7 +21,8 @@ enum class RobotFaultKind {
   kMesh,       // a file that is missing
   kShape,      // a visual with none or several, a direction of friction that is zero
   kServoType,  // values that contradict each other
-  kSensor      // values that contradict each other, a second sensor, an ankle without a sole
+  kSensor,     // values that contradict each other, a second sensor, an ankle without a sole
+  kUnit        // a value that no robot of this size has
 };
 
 struct RobotFault {

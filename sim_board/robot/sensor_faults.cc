@@ -1,3 +1,4 @@
+#include <cmath>
 #include <map>
 
 #include "sim_board/input/text.h"
@@ -28,10 +29,26 @@ void find_count_faults(const XmlNode& channel, FaultList& faults) {
       "counts that fit 16 bits");
 }
 
+// A sensor delivers the samples of its two channels together. Times have the resolution of the simulation.
+void find_delay_faults(const XmlNode& sensor, const char* first, const char* second, FaultList& faults) {
+  const auto one = sensor.find(first);
+  const auto other = sensor.find(second);
+  if (!one || !other) return;
+  const double one_s = one->number("delay_s");
+  const double other_s = other->number("delay_s");
+  if (std::llround(1e6 * one_s) == std::llround(1e6 * other_s)) return;
+  faults.add(RobotFaultKind::kSensor, other->child("delay_s"),
+             "delay_s = " + number_text(other_s) + " in <" + other->name() + "> and " + number_text(one_s) +
+                 " in <" + one->name() + ">",
+             "one delay for both channels of a sensor");
+}
+
 }  // namespace
 
 void find_sensor_faults(const XmlNode& sensor, FaultList& faults) {
   find_jitter_faults(sensor, faults);
+  find_delay_faults(sensor, "koboshi:gyro", "koboshi:accelerometer", faults);
+  find_delay_faults(sensor, "koboshi:force", "koboshi:torque", faults);
   for (const char* name : {"koboshi:gyro", "koboshi:accelerometer", "koboshi:force", "koboshi:torque"})
     if (const auto channel = sensor.find(name)) find_count_faults(*channel, faults);
 }

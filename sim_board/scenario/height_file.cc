@@ -131,9 +131,10 @@ void turn_over(HeightField& field) {
 HeightFile read_height_file(const fs::path& file) {
   const std::string text = read_text_file(file, "a file of heights");
   const std::vector<Line> lines = lines_of(text);
-  if (lines.empty()) throw InputError(file, 0, "no heights", "comma-separated heights or a plain PGM (P2)");
+  if (lines.empty()) throw InputError(file, 1, "no heights", "comma-separated heights or a plain PGM (P2)");
   if (text.starts_with("P5"))
     throw InputError(file, 1, "a binary PGM (P5)", "a plain one (P2), as pnmtoplainpnm makes it");
+  require_utf8(text, file);
   HeightFile heights;
   heights.is_image = text.starts_with("P2");
   heights.field = heights.is_image ? read_image(file, lines) : read_table(file, lines);

@@ -1,9 +1,12 @@
 #include "sim_board/scenario/player.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
+#include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
 #include "sim_board/scenario/make_ground.h"
 #include "sim_board/world/link_tree.h"
 #include "sim_board/world/placement.h"
@@ -38,6 +41,17 @@ BoardOptions board_options(const Scenario& scenario, const RobotDescription& rob
     world.X_WB.translation().z() = lift_onto_ground(robot, X_WLs, world.ground) + scenario.initial.drop_m;
   }
   return options;
+}
+
+std::unique_ptr<SimBoard> make_board(const Scenario& scenario, const RobotDescription& robot,
+                                     const BoardOptions& options, ControllerHost& host) {
+  try {
+    return std::make_unique<SimBoard>(robot, options, host);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(scenario.file, 0,
+                     "a world that the physics engine refuses (" + one_line(error.what()) + ")",
+                     "one that it can simulate");
+  }
 }
 
 ScenarioPlayer::ScenarioPlayer(const Scenario& scenario, SimBoard& board, std::vector<SdoWrite> parameters)

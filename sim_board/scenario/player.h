@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,11 @@ namespace koboshi::sim {
 
 // Returns the options of world and board for a scenario that has been checked against the robot.
 BoardOptions board_options(const Scenario& scenario, const RobotDescription& robot);
+
+// Makes the board. Throws InputError, which names the scenario, if its physics engine refuses the robot or
+// the ground.
+std::unique_ptr<SimBoard> make_board(const Scenario& scenario, const RobotDescription& robot,
+                                     const BoardOptions& options, ControllerHost& host);
 
 // Applies a scenario to a board at the given times: commands from the operator's PC, faults, pushes, and the
 // release of the stand. An operator may add commands and pushes during the run.

@@ -153,9 +153,13 @@ void check(const Scenario& scenario, const RobotDescription& robot) {
   for (const Push& push : scenario.pushes) check(push, robot);
   for (const Fault& fault : scenario.faults) check_fault(fault, robot);
   check_materials(scenario, robot);
-  const SourcedName& parameters_of = scenario.robot_parameters.robot;
-  if (!parameters_of.text.empty() && parameters_of.text != robot.name)
-    throw InputError(parameters_of.source, parameters_of.line, "parameters of " + parameters_of.text,
+  check(scenario.robot_parameters, robot);
+}
+
+void check(const RobotParameters& parameters, const RobotDescription& robot) {
+  const SourcedName& of = parameters.robot;
+  if (!of.text.empty() && of.text != robot.name)
+    throw InputError(of.source, of.line, "parameters of " + of.text,
                      robot.name + ", whose file lies beside them");
 }
 

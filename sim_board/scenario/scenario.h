@@ -232,6 +232,8 @@ void check(const Scenario& scenario, const RobotDescription& robot);
 void check(const Push& push, const RobotDescription& robot);
 // Checks a single fault.
 void check(const Fault& fault, const RobotDescription& robot);
+// Checks that the parameters are those of the robot.
+void check(const RobotParameters& parameters, const RobotDescription& robot);
 // Returns the names of the motions for commands, in the order of the controller's numbers; a gait comes last.
 std::vector<std::string> motion_names(const Scenario& scenario);
 

@@ -68,7 +68,7 @@ robot::LinkIndex link_index(const RobotDescription& robot, int link) {
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     if (robot.joints[i].child == link) return robot::LinkIndex(robot::JointIndex(i));
   }
-  throw InputError(robot.file, 0,
+  throw InputError(robot.file, robot.links.at(static_cast<std::size_t>(link)).line,
                    "a link that no joint carries, " + robot.links.at(static_cast<std::size_t>(link)).name,
                    "a tree of joints that begins at the base");
 }
@@ -86,7 +86,7 @@ void set_mirror(const RobotDescription& robot, std::size_t index, robot::Joint& 
   joint.mirror = robot::JointIndex(found < 0 ? static_cast<int>(index) : found);
   const double cosine = sim::mirrored_axis(described.axis_M).dot(robot.joints[joint.mirror].axis_M);
   if (found >= 0 && partner != described.name && std::abs(cosine) < 1.0 - 1e-9) {
-    throw InputError(robot.file, 0,
+    throw InputError(robot.file, described.line,
                      "axes of " + described.name + " and " + partner + " that are no mirror images",
                      "a left and a right joint with one axis or its opposite, mirrored");
   }
@@ -167,8 +167,8 @@ robot::Joint joint_fields(const RobotDescription& robot, const BaseFrame& frame,
 
 void set_inertial_unit(const RobotDescription& robot, const BaseFrame& frame, robot::RobotModel& model) {
   if (!robot.imu || robot.imu->link != 0) {
-    throw InputError(robot.file, 0, robot.imu ? "an inertial unit outside the base" : "no inertial unit",
-                     "one in the base");
+    throw InputError(robot.file, robot.imu ? robot.imu->line : robot.line,
+                     robot.imu ? "an inertial unit outside the base" : "no inertial unit", "one in the base");
   }
   const Isometry3d X_MI = robot.links[0].X_ML * robot.imu->X_LS;
   const auto R_IB =
@@ -182,8 +182,8 @@ void set_inertial_unit(const RobotDescription& robot, const BaseFrame& frame, ro
 
 void set_name(const RobotDescription& robot, robot::RobotModel& model) {
   if (robot.name.empty() || robot.name.size() > robot::kModelNameSize) {
-    throw InputError(robot.file, 0, "the robot's name '" + robot.name + "'",
-                     "a name of 1 to " + std::to_string(robot::kModelNameSize) + " letters");
+    throw InputError(robot.file, robot.line, "the robot's name '" + sim::one_line(robot.name) + "'",
+                     "a name of 1 to " + std::to_string(robot::kModelNameSize) + " bytes");
   }
   std::copy(robot.name.begin(), robot.name.end(), model.name.begin());
 }
@@ -193,33 +193,64 @@ void check_joint(const RobotDescription& robot, const JointDescription& joint) {
     return std::abs(angle_rad) <= std::numbers::pi * (1.0 + 1e-6);
   };
   if (!whole_turn(joint.lower_rad) || !whole_turn(joint.upper_rad)) {
-    throw InputError(robot.file, 0, "limits of " + joint.name + " beyond half a turn",
+    throw InputError(robot.file, joint.line, "limits of " + joint.name + " beyond half a turn",
                      "limits within +-180 degrees");
   }
   if (std::abs(joint.drive.sign) != 1) {
-    throw InputError(robot.file, 0,
+    throw InputError(robot.file, joint.line,
                      "a drive sign of " + joint.name + " of " + std::to_string(joint.drive.sign), "1 or -1");
   }
 }
 
+void check_offset(const RobotDescription& robot, int line, const std::string& what, const std::string& from,
+                  const robot::Position& offset) {
+  const double max_m = fixed::to_double(robot::kMaxOffset);
+  for (const fixed::Length length : {offset.x, offset.y, offset.z}) {
+    if (fixed::abs(length) <= robot::kMaxOffset) continue;
+    throw InputError(robot.file, line,
+                     what + " at more than " + sim::number_text(max_m) + " m from " + from + " along an axis",
+                     "at most that, the most that the firmware can represent");
+  }
+}
+
+// What the firmware would refuse without the joint's name.
+void check_fields(const RobotDescription& robot, const JointDescription& joint, const robot::Joint& fields) {
+  check_offset(robot, joint.line, "joint " + joint.name, "the joint that carries it", fields.anchor);
+  check_offset(robot, robot.links.at(static_cast<std::size_t>(joint.child)).line,
+               "the centre of mass of " + robot.links.at(static_cast<std::size_t>(joint.child)).name,
+               "joint " + joint.name, fields.centre_of_mass);
+  if (fields.max_speed <= fixed::AngularRate())
+    throw InputError(robot.file, joint.line, "no speed of joint " + joint.name, "a speed above zero");
+}
+
 }  // namespace
 
-robot::RobotModel model_fields(const RobotDescription& robot) {
-  if (robot.joints.empty() || robot.joints.size() > robot::kMaxJoints) {
-    throw InputError(robot.file, 0, std::to_string(robot.joints.size()) + " joints",
-                     "1 to " + std::to_string(robot::kMaxJoints));
-  }
-  for (const JointDescription& joint : robot.joints) check_joint(robot, joint);
-  const BaseFrame frame(robot);
+robot::RobotModel model_fields(const RobotDescription& robot, std::vector<InputError>& errors) {
   robot::RobotModel model;
-  set_name(robot, model);
+  if (robot.joints.empty() || robot.joints.size() > robot::kMaxJoints) {
+    errors.emplace_back(robot.file, robot.line, std::to_string(robot.joints.size()) + " joints",
+                        "1 to " + std::to_string(robot::kMaxJoints));
+    return model;
+  }
+  const BaseFrame frame(robot);
+  collect_error(errors, [&] { set_name(robot, model); });
   model.joint_count = robot.joints.size();
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) model.joints[i] = joint_fields(robot, frame, i);
-  model.base_mass = mass_of(robot, 0);
-  model.base_centre_of_mass = frame.offset(robot.links[0].X_ML.translation(), frame.centre_of_mass_M(0));
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    collect_error(errors, [&] {
+      check_joint(robot, robot.joints[i]);
+      model.joints[i] = joint_fields(robot, frame, i);
+      check_fields(robot, robot.joints[i], model.joints[i]);
+    });
+  }
+  collect_error(errors, [&] {
+    model.base_mass = mass_of(robot, 0);
+    model.base_centre_of_mass = frame.offset(robot.links[0].X_ML.translation(), frame.centre_of_mass_M(0));
+    check_offset(robot, robot.links[0].line, "the centre of mass of " + robot.links[0].name, "its frame",
+                 model.base_centre_of_mass);
+  });
   model.body_height = body_height(robot);
-  set_inertial_unit(robot, frame, model);
-  set_feet(robot, model);
+  collect_error(errors, [&] { set_inertial_unit(robot, frame, model); });
+  set_feet(robot, model, errors);
   return model;
 }
 

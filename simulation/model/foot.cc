@@ -8,6 +8,7 @@
 
 #include "firmware/fixed/host/convert.h"
 #include "sim_board/input/error.h"
+#include "simulation/model/fields.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -51,14 +52,15 @@ Ankle find_ankle(const RobotDescription& robot, const std::string& side) {
     return {robot.joints[i].name, static_cast<int>(i),
             robot.links.at(0).X_ML.inverse() * robot.joints[i].p_MJ};
   }
-  throw InputError(robot.file, 0, "no joint " + side + "_ankle_roll", "two legs");
+  throw InputError(robot.file, robot.line, "no joint " + side + "_ankle_roll", "two legs");
 }
 
 void set_sole(const RobotDescription& robot, const Ankle& ankle, robot::Foot& foot) {
   const int link = robot.joints[static_cast<std::size_t>(ankle.joint)].child;
-  std::vector<Vector3d> corners = corners_B(robot, robot.links.at(static_cast<std::size_t>(link)));
+  const sim::LinkDescription& described = robot.links.at(static_cast<std::size_t>(link));
+  std::vector<Vector3d> corners = corners_B(robot, described);
   if (corners.empty()) {
-    throw InputError(robot.file, 0, "no collision box below " + ankle.name, "a sole");
+    throw InputError(robot.file, described.line, "no collision box below " + ankle.name, "a sole");
   }
   const double sole_z = lowest_z(corners);
   std::erase_if(corners, [&](const Vector3d& corner) { return corner.z() > sole_z + kFlat_m; });
@@ -79,13 +81,13 @@ void set_sensor(const RobotDescription& robot, const Ankle& ankle, const sim::An
   const Isometry3d X_BS =
       robot.links.at(0).X_ML.inverse() * robot.links.at(static_cast<std::size_t>(link)).X_ML * sensor.X_LS;
   if (sensor.joint != ankle.joint || !X_BS.linear().isApprox(Eigen::Matrix3d::Identity(), 1e-6)) {
-    throw InputError(robot.file, 0, "the sensor " + sensor.name,
+    throw InputError(robot.file, sensor.line, "the sensor " + sensor.name,
                      "a force/torque sensor on " + ankle.name + " with the foot's axes");
   }
   const Vector3d p_BSole = ankle.p_BAnkle - Vector3d(0, 0, fixed::to_double(foot.ankle_height));
   const Vector3d p_SoleS = X_BS.translation() - p_BSole;
   if (std::abs(p_SoleS.z() - sensor.height_above_sole_m) > kFlat_m) {
-    throw InputError(robot.file, 0,
+    throw InputError(robot.file, sensor.line,
                      "the sensor " + sensor.name + " at another height above the sole than it says",
                      std::to_string(p_SoleS.z()) + " m");
   }
@@ -111,23 +113,28 @@ fixed::Length body_height(const RobotDescription& robot) {
   return from_double<fixed::Length>(highest - lowest);
 }
 
-void set_feet(const RobotDescription& robot, robot::RobotModel& model) {
+void set_feet(const RobotDescription& robot, robot::RobotModel& model, std::vector<InputError>& errors) {
   if (!robot.left_ankle || !robot.right_ankle) {
-    throw InputError(robot.file, 0, "an ankle without a force/torque sensor", "one in each");
+    errors.emplace_back(robot.file, robot.line, "an ankle without a force/torque sensor", "one in each");
+    return;
   }
   if (robot.left_ankle->force.resolution != robot.right_ankle->force.resolution ||
       robot.left_ankle->torque.resolution != robot.right_ankle->torque.resolution) {
-    throw InputError(robot.file, 0, "ankle sensors of different resolution", "two of a kind");
+    errors.emplace_back(robot.file, robot.right_ankle->line, "ankle sensors of different resolution",
+                        "two of a kind");
   }
   model.scales.ankle_force = from_double<fixed::Force>(robot.left_ankle->force.resolution * kFullScaleCounts);
   model.scales.ankle_torque =
       from_double<fixed::Torque>(robot.left_ankle->torque.resolution * kFullScaleCounts);
-  const Ankle left = find_ankle(robot, "left");
-  const Ankle right = find_ankle(robot, "right");
-  set_sole(robot, left, model.feet[0]);
-  set_sole(robot, right, model.feet[1]);
-  set_sensor(robot, left, *robot.left_ankle, model.feet[0]);
-  set_sensor(robot, right, *robot.right_ankle, model.feet[1]);
+  const auto set_foot = [&](const char* side, const sim::AnkleSensorDescription& sensor, robot::Foot& foot) {
+    collect_error(errors, [&] {
+      const Ankle ankle = find_ankle(robot, side);
+      set_sole(robot, ankle, foot);
+      set_sensor(robot, ankle, sensor, foot);
+    });
+  };
+  set_foot("left", *robot.left_ankle, model.feet[0]);
+  set_foot("right", *robot.right_ankle, model.feet[1]);
 }
 
 }  // namespace koboshi::simulation

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "firmware/robot/model.h"
+#include "sim_board/input/error.h"
 #include "sim_board/robot/description.h"
 
 namespace koboshi::simulation {
@@ -16,7 +18,8 @@ inline constexpr double kFullScaleCounts = 32768.0;
 [[nodiscard]] fixed::Length body_height(const sim::RobotDescription& robot);
 
 // Sets the soles, from the collision boxes of the links below the ankle rolls, and the ankle sensors with
-// their scales. Throws sim::InputError.
-void set_feet(const sim::RobotDescription& robot, robot::RobotModel& model);
+// their scales. Appends errors as model_fields() does.
+void set_feet(const sim::RobotDescription& robot, robot::RobotModel& model,
+              std::vector<sim::InputError>& errors);
 
 }  // namespace koboshi::simulation

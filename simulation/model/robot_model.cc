@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "firmware/fixed/host/convert.h"
-#include "sim_board/input/error.h"
 #include "simulation/model/fields.h"
 #include "simulation/model/image_writer.h"
 
@@ -99,6 +98,20 @@ std::optional<robot::Position> hand_tip(const RobotDescription& robot, const rob
   return robot::Position{length(tip_B.x()), length(tip_B.y()), length(tip_B.z())};
 }
 
+std::vector<std::byte> make_image(const RobotDescription& robot, std::vector<InputError>& errors) {
+  const robot::RobotModel fields = model_fields(robot, errors);
+  if (!errors.empty()) return {};
+  ImageWriter writer;
+  write_body(writer, fields);
+  for (std::size_t i = 0; i < fields.joint_count; ++i) write_joint(writer, fields.joints[i]);
+  std::vector<std::byte> image = writer.finish(robot::kModelMagic, robot::kModelVersion);
+  robot::RobotModel loaded;
+  const robot::ModelStatus status = robot::load_model(image, loaded);
+  if (status != robot::ModelStatus::kOk)
+    errors.emplace_back(robot.file, robot.line, describe(status), "a robot that the firmware can run on");
+  return image;
+}
+
 }  // namespace
 
 std::string describe(robot::ModelStatus status) {
@@ -106,17 +119,16 @@ std::string describe(robot::ModelStatus status) {
 }
 
 std::vector<std::byte> make_robot_model(const RobotDescription& robot) {
-  const robot::RobotModel fields = model_fields(robot);
-  ImageWriter writer;
-  write_body(writer, fields);
-  for (std::size_t i = 0; i < fields.joint_count; ++i) write_joint(writer, fields.joints[i]);
-  std::vector<std::byte> image = writer.finish(robot::kModelMagic, robot::kModelVersion);
-  robot::RobotModel loaded;
-  const robot::ModelStatus status = robot::load_model(image, loaded);
-  if (status != robot::ModelStatus::kOk) {
-    throw InputError(robot.file, 0, describe(status), "a robot that the firmware can run on");
-  }
+  std::vector<InputError> errors;
+  std::vector<std::byte> image = make_image(robot, errors);
+  if (!errors.empty()) throw errors.front();
   return image;
+}
+
+std::vector<InputError> find_model_errors(const RobotDescription& robot) {
+  std::vector<InputError> errors;
+  static_cast<void>(make_image(robot, errors));
+  return errors;
 }
 
 NamedModel load_named_model(const RobotDescription& robot) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "firmware/robot/model.h"
+#include "sim_board/input/error.h"
 #include "sim_board/robot/description.h"
 
 namespace koboshi::simulation {
@@ -15,6 +16,9 @@ namespace koboshi::simulation {
 // The order of the joints is kept. Throws sim::InputError with the robot's file for properties that a
 // RobotModel cannot represent.
 [[nodiscard]] std::vector<std::byte> make_robot_model(const sim::RobotDescription& robot);
+
+// Returns everything for which make_robot_model() refuses the robot, with file and line.
+[[nodiscard]] std::vector<sim::InputError> find_model_errors(const sim::RobotDescription& robot);
 
 // A robot model as the firmware loads it, plus the names and points that its image does not contain.
 struct NamedModel {

@@ -66,8 +66,10 @@ std::optional<std::int64_t> Reader::integer(const YamlNode& node, const sim::Int
 }
 
 std::optional<std::string> Reader::text(const YamlNode& node) {
-  if (node.kind == YamlNode::Kind::kScalar && !node.scalar.empty()) return node.scalar;
-  bad_value(node, "a text");
+  const bool is_text = node.kind == YamlNode::Kind::kScalar && !node.scalar.empty();
+  const std::string fault = is_text ? sim::name_fault(node.scalar) : std::string();
+  if (is_text && fault.empty()) return node.scalar;
+  bad_value(node, is_text ? "a text without " + fault : "a text");
   return std::nullopt;
 }
 

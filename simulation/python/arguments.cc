@@ -15,7 +15,9 @@ namespace {
 
 // Converts a Python value to YAML for the scenario readers. JSON is a subset of YAML.
 std::string yaml_of(const py::handle& value) {
-  return py::module_::import("json").attr("dumps")(value).cast<std::string>();
+  // yaml-cpp refuses the pairs of surrogates that JSON makes of characters beyond U+FFFF.
+  const auto text = py::module_::import("json").attr("dumps")(value, py::arg("ensure_ascii") = false);
+  return text.cast<std::string>();
 }
 
 std::vector<double> numbers_of(const py::handle& vector) { return vector.cast<std::vector<double>>(); }

@@ -6,6 +6,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <atomic>
+#include <exception>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
 #include "sim_board/scenario/operator_pc.h"
 #include "sim_board/world/world.h"
 #include "simulation/batch/batch.h"
@@ -355,6 +357,20 @@ PYBIND11_MODULE(koboshi, module) {
   PYBIND11_NUMPY_DTYPE(FrameRecord, time_us, identifier, size, remote, data);
   py::register_exception<sim::InputError>(module, "InputError", PyExc_ValueError).doc() =
       "Invalid file or value: file, line, what was found and what was expected.";
+  // Bad arguments and files that cannot be opened are input errors, too.
+  py::register_exception_translator([](std::exception_ptr pointer) {
+    const auto raise = [](const std::exception& error) {
+      const py::object type = py::module_::import("koboshi").attr("InputError");
+      PyErr_SetString(type.ptr(), sim::utf8_text(error.what()).c_str());
+    };
+    try {
+      std::rethrow_exception(pointer);
+    } catch (const std::invalid_argument& error) {
+      raise(error);
+    } catch (const std::filesystem::filesystem_error& error) {
+      raise(error);
+    }
+  });
   py::register_exception<sim::WorldBlewUp>(module, "WorldBlewUp", PyExc_RuntimeError).doc() =
       "The physics state gained energy or is no longer finite.";
   py::register_exception<sim::SdoFailed>(module, "SdoFailed", PyExc_RuntimeError).doc() =

@@ -30,7 +30,7 @@ BareBoard::BareBoard(const sim::Scenario& scenario)
     : scenario_(without_controller(scenario)), robot_(sim::read_robot(scenario_)) {
   sim::BoardOptions options = sim::board_options(scenario_, robot_);
   options.sensors_on_bus = true;
-  board_ = std::make_unique<sim::SimBoard>(robot_, options, host_);
+  board_ = sim::make_board(scenario_, robot_, options, host_);
   board_->unplug_controller();
   player_ = std::make_unique<sim::ScenarioPlayer>(scenario_, *board_);
 }

@@ -57,7 +57,7 @@ Simulation::Simulation(Prepared prepared, std::uint64_t seed, const HostFactory&
 
 void Simulation::power_on() {
   host_ = make_host_(prepared_->storage_contents);
-  board_ = std::make_unique<sim::SimBoard>(*robot_, sim::board_options(scenario_, *robot_), *host_);
+  board_ = sim::make_board(scenario_, *robot_, sim::board_options(scenario_, *robot_), *host_);
   player_ =
       std::make_unique<sim::ScenarioPlayer>(scenario_, *board_, resolve_parameters(scenario_.parameters));
 }

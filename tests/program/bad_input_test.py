@@ -2,7 +2,10 @@
 
 import pathlib
 import re
+import shutil
 import socket
+import struct
+import subprocess
 import tempfile
 import unittest
 
@@ -273,6 +276,169 @@ class MotionFiles(unittest.TestCase):
         folder.mkdir()
         result = PROGRAM.run("motion", "upload", folder)
         self.assertEqual((result.returncode, result.stderr), (2, f"{folder}: found a folder, expected the image of a motion\n"))
+
+
+class StandardStreams(unittest.TestCase):
+    """Standard streams that are closed or full change no exit status but that of what is printed."""
+
+    BAD = (["run", "nosuch.yaml"], ["replay", "nosuch"], ["render", "nosuch", "--out", "film.mp4"], ["can", "dump", "nosuch.log"],
+           ["board", "nosuch.yaml"], ["diff", "nosuch", "nosuch"], ["model", "check", "nosuch.sdf"],
+           ["model", "set", "nosuch.sdf", "a.b=1"], ["model", "get", "nosuch.sdf"], ["motion", "format", "nosuch.yaml"],
+           ["motion", "check", "nosuch.yaml"], ["motion", "play", "nosuch.yaml"], ["gait", "nosuch.yaml"],
+           ["experiment", "gyro-feedback", "nosuch.yaml"], ["servo", "--robot", "nosuch.sdf"], ["dance"], ["run", "--louder"])
+
+    def status(self, redirection, *arguments):
+        command = ["sh", "-c", f'exec "$@" {redirection}', "sh", PROGRAM.path, *arguments]
+        with tempfile.TemporaryDirectory() as folder:
+            result = subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, timeout=600, check=False)
+            self.assertEqual(list(pathlib.Path(folder).iterdir()), [], "something was written")
+        return result.returncode
+
+    def test_bad_input_is_2_although_nobody_hears_it(self):
+        for arguments in self.BAD:
+            for redirection in ("2>&-", "2>/dev/full", ">&- 2>&- <&-"):
+                with self.subTest(arguments, redirection=redirection):
+                    self.assertEqual(self.status(redirection, *arguments), 2)
+
+    def test_printing_nothing_is_an_error(self):
+        robot = str(ROBOT / "robot.sdf")
+        for arguments in (["--version"], ["--help"], ["model", "get", robot], ["model", "check", robot], ["motion", "list"]):
+            for redirection in (">&-", ">/dev/full", ">&- 2>&-", ">/dev/full 2>/dev/full"):
+                with self.subTest(arguments, redirection=redirection):
+                    self.assertEqual(self.status(redirection, *arguments), 2)
+
+    def test_a_closed_stream_is_not_taken_by_a_file(self):
+        for redirection in ("2>&-", ">&- 2>&-"):
+            with tempfile.TemporaryDirectory() as folder:
+                out = pathlib.Path(folder, "run")
+                command = ["sh", "-c", f'exec "$@" {redirection}', "sh", PROGRAM.path, "run", str(support.SQUAT), "--duration",
+                           "0.1", "--out", out]
+                subprocess.run(command, cwd=support.ROOT, check=False, capture_output=True)
+                for line in (out / "can.log").read_text().splitlines():
+                    self.assertRegex(line, r"^\([0-9.]+\) ")
+
+
+class Door(unittest.TestCase):
+    """Every text is checked once where it enters."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="koboshi_door_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        (self.folder / "meshes").symlink_to(ROBOT / "meshes")
+        self.robot = self.folder / "robot.sdf"
+        self.scenario = self.folder / "scenario.yaml"
+        self.scenario.write_text(SCENARIO.replace(str(ROBOT / "robot.sdf"), str(self.robot)), encoding="utf-8")
+
+    def refuse(self, where, *arguments):
+        result = subprocess.run([PROGRAM.path, *arguments], cwd=self.folder, capture_output=True, timeout=600, check=False)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        text = result.stderr.decode("utf-8")  # raises for other bytes
+        self.assertRegex(text, rf"\A{where}: found [^\n]+, expected [^\n]+\n\Z")
+        self.assertNotIn("\x1b", text)
+        return text
+
+    def check(self):
+        return subprocess.run([PROGRAM.path, "model", "check", self.robot], capture_output=True, timeout=600, check=False)
+
+    def test_bytes_that_are_not_utf_8(self):
+        good = (ROBOT / "robot.sdf").read_bytes()
+        self.robot.write_bytes(good.replace(b'name="koboshi"', b'name="k\xf6boshi"', 1))
+        self.refuse(rf"{self.robot}:\d+", "run", self.scenario, "--out", self.folder / "out")
+        self.assertFalse((self.folder / "out").exists())
+        checked = self.check()
+        self.assertEqual(checked.returncode, 1)
+        self.assertRegex(checked.stdout.decode("utf-8"), r"robot.sdf:\d+: error\[R001\]: found a byte that is not UTF-8")
+        self.robot.write_bytes(good.replace(b'name="koboshi"', b'name="k&#xD800;boshi"', 1))
+        self.refuse(rf"{self.robot}:\d+", "run", self.scenario, "--out", self.folder / "out")
+        self.scenario.write_bytes(SCENARIO.encode() + b"# f\xfcr\n")
+        self.refuse(rf"{self.scenario}:5", "run", self.scenario)
+        for arguments in ([b"run", b"sc\xe9nario.yaml"], [b"d\xe4nce"], [b"run", bytes(support.SQUAT), b"--out", b"\xff"],
+                          [b"run", bytes(support.SQUAT), b"--set", b"ground.material=\xff"]):
+            with self.subTest(arguments):
+                self.refuse("koboshi", *arguments)
+
+    def test_a_long_message_ends_between_characters(self):
+        self.scenario.write_text(SCENARIO.replace("robot.sdf", "x" + "\u00e4\u6f22\U0001f916" * 40), encoding="utf-8")
+        self.refuse(rf"{self.scenario}:2", "run", self.scenario)
+
+    def test_names_at_whose_edge_is_white_space(self):
+        good = (ROBOT / "robot.sdf").read_text(encoding="utf-8")
+        for name in ("head_pan ", " head_pan", "head_pan\t", "head_pan\u00a0", "head&#10;pan", "", "head_pan::", "__head__"):
+            with self.subTest(name):
+                self.robot.write_text(good.replace('<joint name="head_pan"', f'<joint name="{name}"', 1), encoding="utf-8")
+                self.refuse(rf"{self.robot}:\d+", "run", self.scenario, "--out", self.folder / "out")
+                self.assertEqual(self.check().returncode, 1)
+        self.assertIn(b"  = Write head_pan.", self.check_of(good, "head_pan "))
+
+    def check_of(self, good, name):
+        self.robot.write_text(good.replace('<joint name="head_pan"', f'<joint name="{name}"', 1), encoding="utf-8")
+        return self.check().stdout
+
+    def test_empty_files_have_a_line(self):
+        for text in ("", "\n\n", "# only a comment\n"):
+            with self.subTest(text):
+                self.scenario.write_text(text, encoding="utf-8")
+                self.refuse(rf"{self.scenario}:1", "run", self.scenario)
+                self.robot.write_text(text, encoding="utf-8")
+                self.refuse(rf"{self.robot}:\d+", "dictionary", "write", "--robot", self.robot)
+
+    def test_nesting_has_a_limit_that_is_told(self):
+        for text in ("version: 1\nrobot: " + "[" * 600 + "]" * 600, "version: 1\nrobot: " + "{a: " * 600 + "1" + "}" * 600):
+            self.scenario.write_text(text, encoding="utf-8")
+            self.assertIn("nested deeper than 100 levels, expected at most 100 levels",
+                          self.refuse(rf"{self.scenario}:2", "run", self.scenario))
+        self.robot.write_text("<sdf>" * 600 + "</sdf>" * 600, encoding="utf-8")
+        self.scenario.write_text(SCENARIO.replace(str(ROBOT / "robot.sdf"), str(self.robot)), encoding="utf-8")
+        self.assertIn("nested deeper than 100 levels", self.refuse(rf"{self.robot}:1", "run", self.scenario))
+        self.assertIn("nested deeper than 100 levels",
+                      self.refuse("--set", "run", support.SQUAT, "--set", "faults=" + "[" * 600 + "]" * 600))
+
+    # What the run refuses, with the line of the check.
+    REFUSED = {
+        "delays of the channels": (r"(<koboshi:torque>.*?<delay_s>)[^<]*", r"\g<1>0.003"),
+        "no inertial unit": (r'<sensor name="imu" type="imu">.*?</sensor>', ""),
+        "resolutions of the ankles": (r'(name="right_ankle" type=.*?<koboshi:force>.*?<resolution>)[^<]*', r"\g<1>0.02"),
+        "turned ankle sensor": (r'(<sensor name="right_ankle"[^>]*>\s*<pose>[^<]*) 0</pose>', r"\g<1> 0.5</pose>"),
+        "role of a joint": (r'name="left_ankle_roll"', 'name="left_ankle_rol"'),
+        "heavy link": (r'(<link name="trunk">.*?<mass>)[^<]*', r"\g<1>5.5"),
+        "mirrored axis": (r'(<joint name="left_knee".*?<xyz[^>]*>)[^<]*', r"\g<1>0.6 0.8 0"),
+        "long name": (r'<model name="koboshi"', '<model name="' + "k" * 40 + '"'),
+        "name of another": (r'<model name="koboshi"', '<model name="okina"'),
+    }
+
+    def test_the_check_finds_what_the_run_refuses(self):
+        good = (ROBOT / "robot.sdf").read_text(encoding="utf-8")
+        shutil.copy(ROBOT / "parameters.yaml", self.folder)
+        for name, (pattern, new) in self.REFUSED.items():
+            with self.subTest(name):
+                text, count = re.subn(pattern, new, good, count=1, flags=re.DOTALL)
+                self.assertEqual(count, 1)
+                self.robot.write_text(text, encoding="utf-8")
+                self.refuse(rf"{self.folder}/[a-z.]+:\d+", "run", self.scenario, "--out", self.folder / "out")
+                checked = self.check()
+                self.assertEqual(checked.returncode, 1, checked.stdout)
+                self.assertRegex(checked.stdout.decode(), r"\w:\d+: error\[R0(25|28|29)\]: ")
+
+    def test_a_mesh_that_is_no_number_is_reported_and_not_exported(self):
+        (self.folder / "meshes").unlink()
+        shutil.copytree(ROBOT / "meshes", self.folder / "meshes")
+        mesh = self.folder / "meshes" / "chest_cover.stl"
+        content = bytearray(mesh.read_bytes())
+        content[96:100] = struct.pack("<f", float("nan"))
+        mesh.write_bytes(content)
+        self.robot.write_text((ROBOT / "robot.sdf").read_text())
+        self.assertRegex(self.check().stdout, rb"error\[R010\]: found chest_cover.stl, which cannot be shown: a vertex that is no")
+        result = PROGRAM.run("run", self.scenario, "--duration", "0.1", "--out", self.folder / "out")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        warning = "koboshi: warning: The mesh chest_cover.stl of trunk cannot be shown: a vertex that is no finite number."
+        self.assertIn(warning, result.stderr)
+        glb = self.folder / "run.glb"
+        result = PROGRAM.run("replay", self.folder / "out", "--gltf", glb)
+        self.assertEqual(result.returncode, 0)
+        self.assertIn(warning, result.stderr)
+        self.assertNotIn(b"NaN", glb.read_bytes())
+        self.assertNotIn(b"null", glb.read_bytes())
 
 
 class BusListener:

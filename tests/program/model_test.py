@@ -24,11 +24,12 @@ class ModelEdit(unittest.TestCase):
 
     def test_sets_values_and_no_other_byte(self):
         result = PROGRAM.run("model", "set", self.file, "left_shank.mass=0.06", "left_knee.axis=0 1 0")
-        self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", "left_shank.mass = 0.06, taken as kg\n"))
         head, tail = self.first.split('<link name="left_shank">')
         self.assertEqual(self.file.read_text(),
                          head + '<link name="left_shank">' + tail.replace("<mass>0.05<", "<mass>0.06<", 1))
-        self.assertEqual(PROGRAM.run("model", "set", self.file, "left_shank.mass=50 g").returncode, 0)
+        result = PROGRAM.run("model", "set", self.file, "left_shank.mass=50 g")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
         self.assertEqual(self.file.read_text(), self.first)
 
     def test_prints_a_difference_that_patch_applies(self):
@@ -71,6 +72,35 @@ class ModelEdit(unittest.TestCase):
                     self.assertRegex(result.stderr, r"\A\S+\.sdf(:\d+)?: found [^\n]+, expected [^\n]+\n\Z")
                     self.assertEqual(self.file.read_text(), self.first)
                     self.assertFalse((self.folder / "out.sdf").exists())
+
+    def test_asks_for_the_unit_of_an_implausible_number(self):
+        questions = {"left_shank.mass=45": "45 kg for left_shank, .*; did you mean 45 g[?]",
+                     "left_shank.mass=2000": "left_shank.mass = 2000, .*; did you mean 2000 g[?]",
+                     "left_knee.upper=140": "140 rad for upper of left_knee, .*; did you mean 140 deg[?]",
+                     "left_knee.speed=300": "300 rad/s for the speed of left_knee, .*; did you mean 300 deg/s[?]",
+                     "left_shank.position=0 0 -65": "0 0 -65 m for the position of left_shank, .*; did you mean 0 0 -65 mm[?]",
+                     "left_foot.size=110 70 12": "left_foot[.a-z]*size = 110 70 12, .*; did you mean 110 70 12 mm[?]",
+                     "left_shank.rotation=0 90 0": "0 90 0 rad for the rotation of left_shank, .*; did you mean 0 90 0 deg[?]",
+                     "left_shank.ixx=121": "121 kg m.2 for ixx of left_shank, .*; did you mean 121 g cm.2[?]"}
+        for word, question in questions.items():
+            with self.subTest(word):
+                result = PROGRAM.run("model", "set", self.file, word)
+                self.assertEqual(result.returncode, 2)
+                self.assertRegex(result.stderr, rf"\A{self.file}:\d+: found {question}\n\Z")
+                self.assertEqual(self.file.read_text(), self.first)
+        # The same rule holds for the file itself.
+        self.file.write_text(self.first.replace("<mass>0.05<", "<mass>45<", 1))
+        result = PROGRAM.run("model", "check", self.file)
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stdout, r"robot.sdf:\d+: error.R030.: found 45 kg for .*_shank, .*; did you mean 45 g[?]\n")
+
+    def test_keeps_mode_and_hard_links(self):
+        self.file.chmod(0o600)
+        (self.folder / "link.sdf").hardlink_to(self.file)
+        self.assertEqual(PROGRAM.run("model", "set", self.file, "left_shank.mass=60 g").returncode, 0)
+        self.assertEqual(self.file.stat().st_mode & 0o777, 0o600)
+        self.assertEqual((self.folder / "link.sdf").read_text(), self.file.read_text())
+        self.assertNotEqual(self.file.read_text(), self.first)
 
     def test_refuses_files_that_are_no_robot(self):
         for text in ("", "<sdf>", "<a/>", "steps: []"):

@@ -9,8 +9,10 @@
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
+#include "sim_board/record/standard_streams.h"
 #include "tools/cli/commands.h"
 #include "tools/edit/unified_diff.h"
+#include "tools/robot/edit/field_value.h"
 #include "tools/robot/edit/robot_text.h"
 
 namespace koboshi::tools {
@@ -31,6 +33,16 @@ ModelSetting setting_of(const std::filesystem::path& file, const std::string& wo
   return {word.substr(0, equals), word.substr(equals + 1)};
 }
 
+// A line for each number without a unit. On standard error, as a patch may be on standard output.
+std::string assumed_units(const XmlDocument& document, const std::vector<ModelSetting>& settings) {
+  std::string text;
+  for (const ModelSetting& setting : settings) {
+    const std::string unit = assumed_unit(find_field(document, setting.path), setting.value);
+    if (!unit.empty()) text += fmt::format("{} = {}, taken as {}\n", setting.path, setting.value, unit);
+  }
+  return text;
+}
+
 void set_model(const ModelEditArguments& arguments) {
   const std::string text = sim::read_text_file(arguments.robot, "an XML file");
   // The robot must load where the result will be: paths of meshes are relative to it.
@@ -38,7 +50,9 @@ void set_model(const ModelEditArguments& arguments) {
   XmlDocument document(out, text);
   std::vector<ModelSetting> settings;
   for (const std::string& word : arguments.words) settings.push_back(setting_of(arguments.robot, word));
+  const std::string notes = assumed_units(document, settings);
   apply_settings(document, settings, arguments.both_sides ? Sides::kBoth : Sides::kOne);
+  sim::write_to_standard_error(notes);
   if (arguments.dry_run) {
     fmt::print("{}", unified_diff(text, document.text(), arguments.robot.string()));
     return;
@@ -88,8 +102,8 @@ void add_model_edit_commands(CLI::App& model, Invocation&) {
   CLI::App* set = model.add_subcommand("set", "Change values in a robot's file");
   set->footer(
       R"(Replaces the bytes of each value: comments, order and layout of the rest stay. PATH is the name of a link,
-joint or type of servo, then a key, and names or keys between them where several fit. VALUE is in the unit of
-the file, or ends with mm, deg or g. An empty VALUE removes an optional one. The result must load: otherwise
+joint or type of servo, then a key, and names or keys between them where several fit. VALUE ends with its unit
+(mm, deg, g), or is in that of the file, which is then printed. An empty VALUE removes an optional one. The result must load: otherwise
 nothing is written and the exit status is 2 (docs/reference/model-set.md).
 
 Examples:

@@ -12,8 +12,10 @@ using Cells = std::vector<std::string>;
 
 Cells split(const std::string& line) {
   Cells cells(1);
+  bool is_quoted = false;  // as a name with a comma is in the header
   for (const char letter : line) {
-    if (letter == ',') {
+    is_quoted = is_quoted != (letter == '"');
+    if (letter == ',' && !is_quoted) {
       cells.emplace_back();
     } else {
       cells.back() += letter;

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/xml_parse.h"
 
 namespace koboshi::tools {
 namespace {
@@ -68,11 +69,10 @@ bool same_parts(const XmlPart& a, const XmlPart& b) {
 
 XmlPart parse_xml(std::string_view text, const std::filesystem::path& source) {
   tinyxml2::XMLDocument document;
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
-    throw sim::InputError(source, document.ErrorLineNum(), document.ErrorName(), "well-formed XML");
+  sim::parse_xml_text(document, text, source);
   XmlPart whole = to_part(document);
   if (whole.element_count() != 1)
-    throw sim::InputError(source, 0, std::to_string(whole.element_count()) + " root elements", "one");
+    throw sim::InputError(source, 1, std::to_string(whole.element_count()) + " root elements", "one");
   return whole;
 }
 

@@ -96,8 +96,9 @@ class ModelPanelTest final : public QObject {
       names << (*item)->text(BodyTree::kBody) << (*item)->text(BodyTree::kJoint);
     for (const char* name : {"trunk", "left_shank", "left_knee", "head", "head_tilt", "battery", "krs_2552"})
       QVERIFY2(names.contains(QLatin1String(name)), name);
-    QCOMPARE(shown(QStringLiteral("left_knee"), QStringLiteral("left_knee.upper")), QStringLiteral("150"));
-    QCOMPARE(shown(QStringLiteral("left_shank"), QStringLiteral("left_shank.mass")), QStringLiteral("50"));
+    QCOMPARE(shown(QStringLiteral("left_knee"), QStringLiteral("left_knee.upper")),
+             QStringLiteral("150 deg"));
+    QCOMPARE(shown(QStringLiteral("left_shank"), QStringLiteral("left_shank.mass")), QStringLiteral("50 g"));
     const QModelIndex mass = panel_->fields().currentIndex();
     QCOMPARE(mass.siblingAtColumn(FieldView::kUnit).data().toString(), QStringLiteral("g"));
     const QString tip = mass.data(Qt::ToolTipRole).toString();
@@ -108,7 +109,7 @@ class ModelPanelTest final : public QObject {
   }
 
   void changes_mass_axis_zoom_and_friction_and_saves_these_bytes() {
-    type(QStringLiteral("left_shank"), QStringLiteral("left_shank.mass"), QStringLiteral("61.5"));
+    type(QStringLiteral("left_shank"), QStringLiteral("left_shank.mass"), QStringLiteral("61.5 g"));
     type(QStringLiteral("left_knee"), QStringLiteral("left_knee.xyz"), QStringLiteral("0 0.99996 0.0087265"));
     type(QStringLiteral("head"), QStringLiteral("head.helmet.scale"), QStringLiteral("0.001 0.001 0.0012"));
     type(QStringLiteral("left_foot"), QStringLiteral("left_foot.mu"), QStringLiteral("0.6"));
@@ -136,11 +137,12 @@ class ModelPanelTest final : public QObject {
 
   void mirrors_to_the_other_side() {
     panel_->set_both_sides(true);
-    type(QStringLiteral("left_hip_roll"), QStringLiteral("left_hip_roll.lower"), QStringLiteral("-30"));
+    type(QStringLiteral("left_hip_roll"), QStringLiteral("left_hip_roll.lower"), QStringLiteral("-30 deg"));
     QCOMPARE(shown(QStringLiteral("right_hip_roll"), QStringLiteral("right_hip_roll.upper")),
-             QStringLiteral("30"));
-    type(QStringLiteral("trunk"), QStringLiteral("trunk.mass"), QStringLiteral("361"));  // has no other side
-    QCOMPARE(shown(QStringLiteral("trunk"), QStringLiteral("trunk.mass")), QStringLiteral("361"));
+             QStringLiteral("30 deg"));
+    type(QStringLiteral("trunk"), QStringLiteral("trunk.mass"),
+         QStringLiteral("361 g"));  // has no other side
+    QCOMPARE(shown(QStringLiteral("trunk"), QStringLiteral("trunk.mass")), QStringLiteral("361 g"));
     QVERIFY(panel_->undo());
     QVERIFY(panel_->undo());
     QVERIFY(text() == first_);
@@ -151,14 +153,19 @@ class ModelPanelTest final : public QObject {
       type(QStringLiteral("left_shank"), QStringLiteral("left_shank.mass"), QLatin1String(value));
       QVERIFY2(panel_->message().contains(QLatin1String("expected a number from 1e-06 to 1000 in kg")),
                qPrintable(panel_->message()));
-      QCOMPARE(shown(QStringLiteral("left_shank"), QStringLiteral("left_shank.mass")), QStringLiteral("50"));
+      QCOMPARE(shown(QStringLiteral("left_shank"), QStringLiteral("left_shank.mass")),
+               QStringLiteral("50 g"));
     }
+    // Without a unit as on the command line: in that of the file.
+    type(QStringLiteral("left_shank"), QStringLiteral("left_shank.mass"), QStringLiteral("45"));
+    QVERIFY2(panel_->message().contains(QLatin1String("did you mean 45 g?")), qPrintable(panel_->message()));
+    QVERIFY(text() == first_);
     type(QStringLiteral("left_knee"), QStringLiteral("left_knee.xyz"), QStringLiteral("0 1 1"));
     QVERIFY2(panel_->message().contains(QLatin1String("unit vector")), qPrintable(panel_->message()));
     QVERIFY(text() == first_);
     type(QStringLiteral("left_shank"), QStringLiteral("left_shank.mass"), QStringLiteral("0.06 kg"));
     QVERIFY(panel_->message().isEmpty());
-    QCOMPARE(shown(QStringLiteral("left_shank"), QStringLiteral("left_shank.mass")), QStringLiteral("60"));
+    QCOMPARE(shown(QStringLiteral("left_shank"), QStringLiteral("left_shank.mass")), QStringLiteral("60 g"));
   }
 
   void shows_findings_beside_the_fields() {

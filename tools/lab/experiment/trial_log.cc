@@ -65,7 +65,7 @@ void TrialLog::add(const Trial& trial) {
             {"values", values}};
   if (!trial.record.error.empty()) json["error"] = trial.record.error;
   const std::lock_guard lock(mutex_);
-  out_->write(json.dump() + '\n');
+  out_->write(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
   out_->flush();
 }
 

@@ -51,6 +51,7 @@ class MemoryFile {
         path_("/proc/self/fd/" + std::to_string(descriptor_.number())) {}
 
   const std::string& path() const { return path_; }
+  int descriptor() const { return descriptor_.number(); }
   void write(std::string_view text) const {
     if (::write(descriptor_.number(), text.data(), text.size()) != static_cast<ssize_t>(text.size()))
       throw PlotError("no memory for the script of a figure");
@@ -65,12 +66,17 @@ class MemoryFile {
   std::string path_;
 };
 
-bool succeeds(std::string script_path) {
+// What gnuplot prints on standard error goes into `messages`.
+bool succeeds(std::string script_path, const MemoryFile& messages) {
   std::string program = "gnuplot";
   char* const arguments[] = {program.data(), script_path.data(), nullptr};
   pid_t child = 0;
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, messages.descriptor(), STDERR_FILENO);
   const int error =
-      posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, utf8_environment().data());
+      posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments, utf8_environment().data());
+  posix_spawn_file_actions_destroy(&actions);
   if (error == ENOENT) throw PlotError("no figures: gnuplot is not installed (apt install gnuplot-nox)");
   if (error != 0) throw PlotError("no figures: gnuplot does not start: " + std::string(std::strerror(error)));
   int status = 0;
@@ -120,10 +126,11 @@ void run_gnuplot(const std::string& script, const std::filesystem::path& without
     on_disk += output_variable(extension) + " = " + quoted(without_extension.string() + extension) + "\n";
   }
   program.write(in_memory + script);
-  if (!succeeds(program.path())) {
+  const MemoryFile messages("messages");
+  if (!succeeds(program.path(), messages)) {
     const std::string file = without_extension.string() + ".gnuplot";
     sim::write_whole_file(file, on_disk + script);
-    throw PlotError("gnuplot failed; its script is " + file);
+    throw PlotError("gnuplot failed; its script is " + file + "; " + sim::one_line(messages.content()));
   }
   for (std::size_t i = 0; i < pages.size(); ++i) {
     sim::write_whole_file(without_extension.string() + kPageExtensions[i], pages[i].content());

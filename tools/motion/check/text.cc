@@ -115,7 +115,7 @@ std::string report_json(const MotionReport& report, const MotionChecker& checker
       json["steps"].push_back(std::move(row));
     }
   }
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace koboshi::tools

@@ -35,6 +35,9 @@ class CheckedModel {
         std::move(repair));
   }
 
+  // The finding that was added last.
+  ModelFinding& last() { return findings_.back(); }
+
   const sim::RobotDescription& robot;
   const ModelPlaces& places;
   MeshStore& meshes;
@@ -50,5 +53,7 @@ void check_meshes(CheckedModel& model, double height_m);  // R004, R005, R006, R
 void check_overlaps(CheckedModel& model);                 // R007
 void check_soles(CheckedModel& model);                    // R008
 std::optional<Squat> check_squat(CheckedModel& model);    // R009
+// R028, R029. The robot must be that of the file itself: the lines are those of its description.
+void check_firmware(CheckedModel& model);
 
 }  // namespace koboshi::tools

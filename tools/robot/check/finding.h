@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,7 +21,8 @@ struct ModelEdit {
 struct ModelFinding {
   std::string code{};  // "R003"
   simulation::Severity severity = simulation::Severity::kWarning;
-  int line = 0;  // of the file; 0: the file as a whole
+  std::filesystem::path file{};  // empty: the robot's own
+  int line = 0;                  // of the file; 0: the file as a whole
   std::string found{};
   std::string expected{};
   std::string repair{};  // a whole sentence, empty if there is none

@@ -72,6 +72,7 @@ void check_robot(const ModelPlaces& places, MeshStore& meshes, ModelReport& repo
   check_overlaps(model);
   check_soles(model);
   report.squat = check_squat(model);
+  if (!report.is_repaired) check_firmware(model);
   for (ModelFinding& finding : findings)
     if (!is_consequence(finding, repaired)) report.findings.push_back(std::move(finding));
 }

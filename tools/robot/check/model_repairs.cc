@@ -1,4 +1,4 @@
-// Findings and repairs of faults that a file has within its schema: R012 to R015, R020 to R027.
+// Findings and repairs of faults that a file has within its schema: R012 to R015, R020 to R027, R030.
 
 #include <array>
 #include <cmath>
@@ -49,6 +49,8 @@ std::string code_of(RobotFaultKind kind) {
       return "R026";
     case RobotFaultKind::kShape:
       return "R027";
+    case RobotFaultKind::kUnit:
+      return "R030";
   }
   return {};
 }
@@ -197,6 +199,16 @@ void repair_sensor(const XmlNode& node, Repair& repair) {
     const std::string resolution = short_number(node.parent()->number("range") / kCounts);
     repair.finding.repair = fmt::format("The range in 16 bits has a resolution of {}.", resolution);
     repair.changes = {{Kind::kText, node, {}, resolution}};
+  } else if (node.name() == "delay_s") {
+    const XmlNode channel = *node.parent();
+    const XmlNode sensor = *channel.parent();
+    for (const auto& [name, other] :
+         {std::pair("koboshi:accelerometer", "koboshi:gyro"), std::pair("koboshi:torque", "koboshi:force")}) {
+      if (channel.name() != name) continue;
+      const std::string delay = sensor.child(other).child("delay_s").text();
+      repair.finding.repair = fmt::format("Set both to one value, such as {}.", delay);
+      repair.changes = {{Kind::kText, node, {}, delay}};
+    }
   } else if (repair.finding.expected == "one") {
     repair.finding.repair = "Remove one of the two.";
     repair.changes = {{Kind::kErase, node, {}, {}}};
@@ -212,6 +224,10 @@ void describe_tree(const XmlNode& node, Repair& repair) {
 }
 
 void describe_servo_type(const XmlNode& node, Repair& repair) {
+  if (node.name() == "koboshi:servo_types") {
+    repair.finding.repair = "Correct the library.";
+    return;
+  }
   repair.finding.repair = node.name() == "backlash_rad" ? "Set rotor_inertia_kg_m2, or remove the backlash."
                                                         : "Check both values against the data sheet.";
 }
@@ -242,6 +258,8 @@ void make_repair(const RobotFault& fault, const std::filesystem::path& folder, R
       return describe_servo_type(fault.node, repair);
     case RobotFaultKind::kSensor:
       return repair_sensor(fault.node, repair);
+    case RobotFaultKind::kUnit:
+      repair.finding.repair = "Write the value in the unit of the file.";
   }
 }
 

@@ -76,6 +76,7 @@ nlohmann::ordered_json finding_json(const ModelFinding& finding) {
                               {"expected", finding.expected}, {"repair", finding.repair},
                               {"element", finding.element},   {"key", finding.key},
                               {"place", finding.place}};
+  if (!finding.file.empty()) json["file"] = finding.file.string();
   json["edits"] = nlohmann::ordered_json::array();
   for (const ModelEdit& edit : finding.edits) {
     nlohmann::ordered_json& one = json["edits"].emplace_back();
@@ -113,7 +114,8 @@ std::string model_report_text(const ModelReport& report) {
   }
   for (const ModelFinding& finding : report.findings) {
     const std::string line = finding.line > 0 ? ":" + std::to_string(finding.line) : std::string();
-    text += fmt::format("{}{}: {}[{}]: found {}, expected {}\n", report.file.string(), line,
+    const std::filesystem::path& file = finding.file.empty() ? report.file : finding.file;
+    text += fmt::format("{}{}: {}[{}]: found {}, expected {}\n", file.string(), line,
                         name_of(finding.severity), finding.code, finding.found, finding.expected);
     if (!finding.repair.empty()) text += fmt::format("  = {}\n", finding.repair);
   }
@@ -152,7 +154,7 @@ std::string model_report_json(const ModelReport& report) {
   }
   json["findings"] = nlohmann::ordered_json::array();
   for (const ModelFinding& finding : report.findings) json["findings"].push_back(finding_json(finding));
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace koboshi::tools

@@ -72,6 +72,10 @@ std::optional<Eigen::Matrix3d> nearest_inertia(const Eigen::Matrix3d& inertia) {
 std::optional<std::string> nearest_value(const std::string& text, sim::XmlContent content,
                                          std::size_t numbers, const sim::NumberRange& range,
                                          const std::vector<std::string>& choices) {
+  if (content == sim::XmlContent::kText && choices.empty()) {
+    const std::string trimmed(sim::trimmed_name(text));
+    return sim::name_fault(trimmed).empty() ? std::optional(trimmed) : std::nullopt;
+  }
   if (!choices.empty()) {
     if (choices.size() == 1) return choices.front();
     return sim::nearest_name(text, choices);

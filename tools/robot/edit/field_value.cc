@@ -1,44 +1,24 @@
 #include "tools/robot/edit/field_value.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 #include <sstream>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
+#include "sim_board/input/units.h"
 
 namespace koboshi::tools {
 namespace {
 
-struct Unit {
-  std::string_view name;
-  std::string_view of_file;
-  double factor;    // from this unit to that of the file
-  double rounding;  // of the file's value, as in files written by hand
-  bool is_shown;    // the one in which people read the quantity
-};
-constexpr double kRadPerDegree = std::numbers::pi / 180.0;
-constexpr std::array kUnits = {
-    Unit{"mm", "m", 1e-3, 1e-9, true},
-    Unit{"cm", "m", 1e-2, 1e-9, false},
-    Unit{"deg", "rad", kRadPerDegree, 1e-6, true},
-    Unit{"g", "kg", 1e-3, 1e-9, true},
-    Unit{"deg/s", "rad/s", kRadPerDegree, 1e-6, true},
-    Unit{"g cm^2", "kg m^2", 1e-7, 1e-13, true},
-    Unit{"ms", "s", 1e-3, 1e-9, true},
-};
-
-const Unit* shown_unit_of(const ModelField& field) {
+const sim::UserUnit* shown_unit_of(const ModelField& field) {
   if (field.content() != sim::XmlContent::kNumbers) return nullptr;
   const std::string unit = field.unit();
-  const auto found =
-      std::ranges::find_if(kUnits, [&](const Unit& u) { return u.is_shown && u.of_file == unit; });
-  return found == kUnits.end() ? nullptr : &*found;
+  const auto found = std::ranges::find_if(
+      sim::user_units(), [&](const sim::UserUnit& u) { return u.is_shown && u.of_file == unit; });
+  return found == sim::user_units().end() ? nullptr : &*found;
 }
 
 std::vector<std::string> words_of(const std::string& text) {
@@ -79,11 +59,13 @@ class Typed {
   }
 
  private:
-  [[noreturn]] void fail() const {
+  // `question`: as of sim::unit_question(), or empty.
+  [[noreturn]] void fail(const std::string& question = {}) const {
     const auto path = field_.element_path(document_);
     const XmlPart* part = path ? document_.find(*path) : nullptr;
     throw sim::InputError(document_.source(), part != nullptr ? part->line : 0,
-                          field_.path + " = " + sim::one_line(typed_), field_.expected());
+                          field_.path + " = " + sim::one_line(typed_),
+                          field_.expected() + (question.empty() ? "" : "; " + question));
   }
 
   bool is_within(double value) const { return value >= field_.range().min && value <= field_.range().max; }
@@ -101,15 +83,20 @@ class Typed {
     const std::string unit = joined(words_, count, words_.size());
     std::vector<std::string> texts(words_.begin(), words_.begin() + static_cast<std::ptrdiff_t>(count));
     if (!unit.empty() && unit != field_.unit()) convert(texts, unit);
-    for (const std::string& text : texts)
-      if (!is_within(*sim::parse_number(text))) fail();
+    std::vector<double> values;
+    for (const std::string& text : texts) values.push_back(*sim::parse_number(text));
+    if (!std::ranges::all_of(values, [this](double value) { return is_within(value); }))
+      fail(unit.empty()
+               ? sim::unit_question(values, field_.unit(), [this](double value) { return is_within(value); })
+               : std::string());
     return joined(texts, 0, texts.size());
   }
 
   void convert(std::vector<std::string>& texts, const std::string& name) const {
-    const auto unit = std::ranges::find_if(
-        kUnits, [&](const Unit& u) { return u.name == name && u.of_file == field_.unit(); });
-    if (unit == kUnits.end()) fail();
+    const auto unit = std::ranges::find_if(sim::user_units(), [&](const sim::UserUnit& u) {
+      return u.name == name && u.of_file == field_.unit();
+    });
+    if (unit == sim::user_units().end()) fail();
     for (std::string& text : texts)
       text = rounded_text(*sim::parse_number(text) * unit->factor, unit->rounding);
   }
@@ -126,8 +113,15 @@ std::string file_text(const XmlDocument& document, const ModelField& field, cons
   return Typed(document, field, typed).text();
 }
 
+std::string assumed_unit(const ModelField& field, const std::string& typed) {
+  const std::string unit = field.unit();
+  if (field.content() != sim::XmlContent::kNumbers || unit == "1") return {};
+  const std::vector<std::string> words = words_of(typed);
+  return !words.empty() && sim::parse_number(words.back()) ? unit : std::string();
+}
+
 std::string shown_text(const ModelField& field, const std::string& value) {
-  const Unit* unit = shown_unit_of(field);
+  const sim::UserUnit* unit = shown_unit_of(field);
   if (unit == nullptr) return value;
   std::string text;
   for (const std::string& word : words_of(value)) {
@@ -140,7 +134,7 @@ std::string shown_text(const ModelField& field, const std::string& value) {
 }
 
 std::string shown_unit(const ModelField& field) {
-  if (const Unit* unit = shown_unit_of(field)) return std::string(unit->name);
+  if (const sim::UserUnit* unit = shown_unit_of(field)) return std::string(unit->name);
   const std::string unit = field.unit();
   return unit == "1" ? std::string() : unit;
 }

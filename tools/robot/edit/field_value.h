@@ -12,6 +12,10 @@ namespace koboshi::tools {
 [[nodiscard]] std::string file_text(const XmlDocument& document, const ModelField& field,
                                     const std::string& typed);
 
+// Returns the file's unit, in which a typed number without a unit is taken: "kg". Empty if a unit was typed,
+// and for texts, ratios and counts.
+[[nodiscard]] std::string assumed_unit(const ModelField& field, const std::string& typed);
+
 // Returns a value of the file in the unit in which people read it, without the unit: "150" for 2.617994 rad.
 // Equal to the value where there is no such unit.
 [[nodiscard]] std::string shown_text(const ModelField& field, const std::string& value);

@@ -44,6 +44,10 @@ an example. `koboshi model reference write` generates this page and the schemas 
 by which the reader checks a file.
 
 - Units are SI units and radians. Frames: x forward, y left, z up ([frames](../design/frames.md)).
+- The text is UTF-8. A text value (a name, a reference, a path) has no control characters, and no white
+  space at either end.
+- A value that no robot of this size has is refused, with the unit that was probably meant: 45 kg for a
+  shank (R030 of the [check](model-check.md)).
 - The elements of a group may be in any order. An element or attribute that is not listed here is an
   error, because it would have no effect.
 - A path such as `inertial/mass` names elements from the outside to the inside; `@` precedes an

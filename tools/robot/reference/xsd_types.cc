@@ -61,7 +61,7 @@ std::string XsdTypes::type_of(XmlContent content, std::size_t numbers, const Num
     definition = choice_type(content, choices);
   } else if (content == XmlContent::kText) {
     name = "text";
-    definition = "<xs:restriction base=\"xs:string\"><xs:minLength value=\"1\"/></xs:restriction>";
+    definition = "<xs:restriction base=\"xs:string\"><xs:pattern value=\"\\S|\\S.*\\S\"/></xs:restriction>";
   } else if (content == XmlContent::kInteger) {
     name = "integer" + range_name(range);
     definition = fmt::format("<xs:restriction base=\"xs:integer\">{}</xs:restriction>", range_facets(range));

@@ -14,7 +14,7 @@
 namespace koboshi::studio {
 namespace {
 
-enum Role { kKeyRole = Qt::UserRole + 1, kTypedRole, kUnitRole };
+enum Role { kKeyRole = Qt::UserRole + 1, kTypedRole };
 
 QString qt_text(const std::string& text) { return QString::fromStdString(text); }
 
@@ -140,8 +140,8 @@ bool FieldView::has_rows(const std::vector<QStandardItem*>& titles) const {
 
 // Editors of other values stay open.
 void FieldView::update_rows(QStandardItem& shown, const QStandardItem& wanted) {
-  constexpr std::array<int, 7> kRoles{Qt::DisplayRole, Qt::ToolTipRole, Qt::FontRole, Qt::ForegroundRole,
-                                      kKeyRole,        kTypedRole,      kUnitRole};
+  constexpr std::array<int, 6> kRoles{Qt::DisplayRole,    Qt::ToolTipRole, Qt::FontRole,
+                                      Qt::ForegroundRole, kKeyRole,        kTypedRole};
   for (int row = 0; row < shown.rowCount(); ++row)
     for (int column = 0; column < kColumns; ++column) {
       QStandardItem* to = shown.child(row, column);
@@ -216,17 +216,20 @@ QList<QStandardItem*> FieldView::row_of(const tools::ModelField& field) const {
   auto* name = new QStandardItem(label_of(field));
   const bool is_missing = !field.value;
   const std::string value = field.value.value_or(field.fallback());
-  auto* shown = new QStandardItem(qt_text(tools::shown_text(field, value)));
+  // A unit other than the file's stands in the text that is edited: a number without one is in the file's.
+  const std::string unit = tools::shown_unit(field);
+  const bool is_converted = !unit.empty() && unit != field.unit();
+  auto* shown =
+      new QStandardItem(qt_text(tools::shown_text(field, value) + (is_converted ? " " + unit : "")));
   shown->setData(qt_text(field.key()), kKeyRole);
   shown->setData(shown->text(), kTypedRole);
-  shown->setData(qt_text(tools::shown_unit(field)), kUnitRole);
   if (is_missing) {
     QFont italic = font();
     italic.setItalic(true);
     shown->setFont(italic);
     shown->setForeground(palette().color(QPalette::Disabled, QPalette::Text));
   }
-  QList<QStandardItem*> row{name, shown, new QStandardItem(qt_text(tools::shown_unit(field))),
+  QList<QStandardItem*> row{name, shown, new QStandardItem(qt_text(unit)),
                             new QStandardItem(range_text(field))};
   for (QStandardItem* item : row) {
     item->setToolTip(tip_of(field));
@@ -237,18 +240,12 @@ QList<QStandardItem*> FieldView::row_of(const tools::ModelField& field) const {
 
 void FieldView::take_edit(QStandardItem* item) {
   if (filling_ || !item->data(kKeyRole).isValid()) return;
-  QString typed = item->text().trimmed();
+  const QString typed = item->text().trimmed();
   const QString before = item->data(kTypedRole).toString();
   if (typed == before) return;
   filling_ = true;
   item->setText(before);
   filling_ = false;
-  // Numbers alone are in the unit that is shown.
-  const QString last = typed.section(QLatin1Char(' '), -1);
-  bool is_number = false;
-  static_cast<void>(last.toDouble(&is_number));
-  const QString unit = item->data(kUnitRole).toString();
-  if (is_number && !unit.isEmpty()) typed += QLatin1Char(' ') + unit;
   // Later: the edit replaces the rows, which the delegate still uses.
   const QString key = item->data(kKeyRole).toString();
   QMetaObject::invokeMethod(

@@ -126,7 +126,8 @@ void Connection::read_key() {
 void Connection::obey(const std::string& key) {
   const PageKeys& keys = hub_.keys;
   const auto refuse = [this](const std::string& reason) {
-    send_text(nlohmann::ordered_json{{"refused", reason}}.dump());
+    send_text(nlohmann::ordered_json{{"refused", reason}}.dump(
+        -1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   };
   if (!keys.refusal.empty() || !keys.press) {
     return refuse(keys.refusal.empty() ? "This run takes no keys." : keys.refusal);

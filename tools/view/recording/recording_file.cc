@@ -48,7 +48,7 @@ void set_time(std::uint64_t time_us, pb::Timestamp& time) {
 std::string nodes_json(const std::vector<CanNode>& nodes) {
   auto list = nlohmann::json::array();
   for (const CanNode& node : nodes) list.push_back({node.id, node.name});
-  return list.dump();
+  return list.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 foxglove::Log::Level level_of(const std::string& kind) {

@@ -128,7 +128,7 @@ std::string signals_json(std::span<const Signal> signals) {
     if (!signal.names.empty()) entry["names"] = signal.names;
     list.push_back(std::move(entry));
   }
-  return list.dump();
+  return list.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 std::vector<Signal> signals_of_json(const std::string& text) {

@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <vector>
+
+#include "sim_board/input/error.h"
+#include "sim_board/input/units.h"
 
 namespace koboshi::sim {
 namespace {
@@ -35,6 +39,62 @@ TEST(ExpectedNames, AreTheMostSimilarOnlyForALongList) {
   std::vector<std::string> names(kVerbs);
   for (int i = 0; i < 20; ++i) names.push_back("joint_" + std::to_string(i));
   EXPECT_EQ(expected_names("wlak", names), "walk, the nearest of 25 names");
+}
+
+TEST(OneLine, EndsBetweenCharactersAndIsUtf8) {
+  EXPECT_EQ(one_line("tab\tand\nline"), "tab and line");
+  EXPECT_EQ(one_line("k\xF6"
+                     "boshi"),
+            "k\\xF6"
+            "boshi");
+  for (const std::string character : {"a", "\u00E4", "\u6F22", "\U0001F916"}) {
+    for (std::size_t offset = 0; offset < character.size(); ++offset) {
+      std::string text(offset, 'x');
+      for (int i = 0; i < 100; ++i) text += character;
+      const std::string line = one_line(text);
+      EXPECT_EQ(find_invalid_utf8(line), std::string_view::npos) << line;
+      EXPECT_TRUE(line.ends_with(character + "...")) << line;
+    }
+  }
+}
+
+TEST(InputErrorText, IsUtf8WhateverItQuotes) {
+  const InputError error(
+      "f\xFC"
+      "r.yaml",
+      3, "\xFF", "a name");
+  EXPECT_STREQ(error.what(),
+               "f\\xFC"
+               "r.yaml:3: found \\xFF, expected a name");
+  EXPECT_EQ(error.file(),
+            "f\xFC"
+            "r.yaml");
+}
+
+TEST(NameFault, FindsWhatNobodySees) {
+  for (const std::string good : {"a", "left_knee", "two words", "\u81E7", "\U0001F916", "a\u00A0b"})
+    EXPECT_EQ(name_fault(good), "") << good;
+  EXPECT_EQ(name_fault(""), "an empty text");
+  for (const std::string blank : {" ", "\u00A0", "\u3000", "\uFEFF", "\u200B"}) {
+    EXPECT_EQ(name_fault("a" + blank), "white space at its end") << blank;
+    EXPECT_EQ(name_fault(blank + "a"), "white space at its beginning") << blank;
+    EXPECT_EQ(trimmed_name(blank + "a b" + blank + blank), "a b");
+  }
+  for (const std::string control : {"\x01", "\t", "\n", "\x7F", "\u0085", "\u2028"}) {
+    EXPECT_EQ(name_fault("a" + control + "b"), "a control character");
+    EXPECT_EQ(trimmed_name(control + "a"), "a");
+  }
+  EXPECT_EQ(name_fault("a\xFF"), "a byte that is not UTF-8");
+  EXPECT_EQ(trimmed_name(" \n"), "");
+}
+
+TEST(UnitQuestion, NamesTheFirstUnitThatFits) {
+  const auto up_to = [](double limit) { return [limit](double value) { return std::abs(value) <= limit; }; };
+  EXPECT_EQ(unit_question(std::array{45.0}, "kg", up_to(2.0)), "did you mean 45 g?");
+  EXPECT_EQ(unit_question(std::array{0.0, 0.0, -65.0}, "m", up_to(1.0)), "did you mean 0 0 -65 mm?");
+  EXPECT_EQ(unit_question(std::array{140.0}, "rad", up_to(6.3)), "did you mean 140 deg?");
+  EXPECT_EQ(unit_question(std::array{45000.0}, "kg", up_to(2.0)), "");
+  EXPECT_EQ(unit_question(std::array{45.0}, "1", up_to(2.0)), "");
 }
 
 TEST(Texts, AreFormattedForReaders) {

@@ -41,6 +41,28 @@ std::string complaint(const std::string& text) {
 
 std::string boxes(const std::string& content) { return "<boxes unit='m'>\n" + content + "\n</boxes>"; }
 
+TEST(XmlReader, ChecksTextWhereItEnters) {
+  EXPECT_EQ(complaint(""), "FILE:1: found an empty file, expected an XML element");
+  EXPECT_EQ(complaint("<!-- nothing -->\n"), "FILE:1: found no element, expected <boxes>");
+  EXPECT_EQ(complaint(boxes("<!-- f\xFCr -->")),
+            "FILE:2: found a byte that is not UTF-8, expected UTF-8 text");
+  std::string nested;
+  for (int i = 0; i < 600; ++i) nested = "<box>" + nested + "</box>";
+  EXPECT_EQ(complaint(boxes(nested)),
+            "FILE:2: found elements nested deeper than 100 levels, expected at most 100 levels");
+}
+
+TEST(XmlReader, RejectsNamesWithWhiteSpaceAtTheirEnds) {
+  const auto label = [](const std::string& text) {
+    return complaint(boxes("<box><size>1 2 3</size><label>" + text + "</label></box>"));
+  };
+  EXPECT_EQ(label("two words"), "nothing");
+  EXPECT_EQ(label("a "), "FILE:2: found <label> = \"a \", expected a text without white space at its end");
+  EXPECT_EQ(label("a&#1;b"), "FILE:2: found <label> = \"a b\", expected a text without a control character");
+  EXPECT_EQ(label("a&#xD800;"),
+            "FILE:2: found <label> = \"a\\xED\\xA0\\x80\", expected a text without a byte that is not UTF-8");
+}
+
 TEST(XmlReader, ReadsWhatTheSchemaAllows) {
   const ScratchFile scratch(
       "xml",
@@ -69,13 +91,14 @@ TEST(XmlReader, RejectsMalformedXml) {
             "FILE:2: found XML error: mismatched element, expected well-formed XML");
   EXPECT_EQ(complaint("<boxes unit='m' unit='m'/>"),
             "FILE:1: found XML error: parsing attribute, expected well-formed XML");
-  EXPECT_EQ(complaint("<!-- nothing -->"), "FILE: found no element, expected <boxes>");
+  EXPECT_EQ(complaint("<!-- nothing -->"), "FILE:1: found no element, expected <boxes>");
   EXPECT_EQ(complaint("<boxes unit='m'/>\n<boxes unit='m'/>"),
             "FILE:2: found a second root element, expected one");
   EXPECT_EQ(complaint("<crates/>"), "FILE:1: found <crates>, expected <boxes>");
   std::string deep;
   for (int i = 0; i < 100000; ++i) deep += "<box>";
-  EXPECT_EQ(complaint(deep), "FILE:1: found XML error: xml element depth exceeded, expected well-formed XML");
+  EXPECT_EQ(complaint(deep),
+            "FILE:1: found elements nested deeper than 100 levels, expected at most 100 levels");
   EXPECT_THROW(XmlFile("no/such.xml", box_rule()), InputError);
 }
 

@@ -84,7 +84,7 @@ TEST(YamlReader, NamesFileAndReasonWhenItCannotBeRead) {
 }
 
 TEST(YamlReader, RejectsAnythingButAMap) {
-  EXPECT_EQ(complaint("", read_nothing), "FILE: found an empty file, expected a map of keys and values");
+  EXPECT_EQ(complaint("", read_nothing), "FILE:1: found an empty file, expected a map of keys and values");
   EXPECT_EQ(complaint("\n- 1\n", read_nothing),
             "FILE:2: found a document that is no map, expected a map of keys and values");
   EXPECT_EQ(complaint("a: 1\n---\nb: 2\n", read_nothing),
@@ -98,6 +98,30 @@ TEST(YamlReader, RejectsMalformedTextWithItsLine) {
               testing::MatchesRegex("FILE:2: found .*, expected well-formed YAML"));
   EXPECT_THAT(complaint(std::string(100000, '['), read_nothing),
               testing::MatchesRegex("FILE:1: found .*, expected .*"));
+}
+
+TEST(YamlReader, TellsTheLimitOfNesting) {
+  const std::string limit =
+      ": found maps and lists nested deeper than 100 levels, expected at most 100 levels";
+  const auto lists = [](std::size_t depth) {
+    return "a: 1\nb: " + std::string(depth, '[') + std::string(depth, ']') + "\n";
+  };
+  EXPECT_EQ(complaint(lists(99), [](const YamlMap& root) { root.entries(); }), "nothing");
+  EXPECT_EQ(complaint(lists(100), read_nothing), "FILE:2" + limit);
+  EXPECT_EQ(complaint(lists(600), read_nothing), "FILE:2" + limit);
+  std::string maps = "a: 1\n";
+  for (std::size_t i = 0; i < 200; ++i) maps += std::string(i, ' ') + "b:\n";
+  EXPECT_EQ(complaint(maps, read_nothing), "FILE:102" + limit);
+}
+
+TEST(YamlReader, RejectsNamesWithWhiteSpaceAtTheirEnds) {
+  const auto read_text = [](const YamlMap& root) { root.text("x"); };
+  EXPECT_EQ(complaint("x: 'knee '", read_text),
+            "FILE:1: found x = \"knee \", expected a text without white space at its end");
+  EXPECT_EQ(complaint("x: |\n  knee\n", read_text),
+            "FILE:1: found x = \"knee \", expected a text without a control character");
+  EXPECT_EQ(complaint("' x': 1", read_nothing),
+            "FILE:1: found the key \" x\", expected a name without white space at its beginning");
 }
 
 TEST(YamlReader, RejectsDuplicateKeys) {

@@ -71,7 +71,7 @@ inline const std::string kFullRobot =
           <noise_density>1e-4</noise_density><bias>0.1</bias><bias_instability>1e-5</bias_instability>
           <random_walk>1e-6</random_walk><scale_error>0.03</scale_error><cross_axis>0.02</cross_axis>
           <bandwidth_Hz>98</bandwidth_Hz><range>17</range><resolution>0.001</resolution>
-          <delay_s>0.001</delay_s><g_sensitivity>1e-4</g_sensitivity>
+          <delay_s>0.002</delay_s><g_sensitivity>1e-4</g_sensitivity>
         </koboshi:gyro>
         <koboshi:accelerometer>
           <noise_density>2e-4</noise_density><bias>0.2</bias><bias_instability>2e-5</bias_instability>
@@ -101,13 +101,13 @@ inline const std::string kFullRobot =
           <noise_density>3e-4</noise_density><bias>0.3</bias><bias_instability>3e-5</bias_instability>
           <random_walk>3e-6</random_walk><scale_error>0.05</scale_error><cross_axis>0.04</cross_axis>
           <bandwidth_Hz>96</bandwidth_Hz><range>60</range><resolution>0.003</resolution>
-          <delay_s>0.003</delay_s>
+          <delay_s>0.002</delay_s>
         </koboshi:force>
         <koboshi:torque>
           <noise_density>4e-4</noise_density><bias>0.4</bias><bias_instability>4e-5</bias_instability>
           <random_walk>4e-6</random_walk><scale_error>0.06</scale_error><cross_axis>0.05</cross_axis>
           <bandwidth_Hz>95</bandwidth_Hz><range>4</range><resolution>0.004</resolution>
-          <delay_s>0.003</delay_s>
+          <delay_s>0.002</delay_s>
         </koboshi:torque>
         <koboshi:crosstalk>0.07</koboshi:crosstalk>
       </sensor>

@@ -93,7 +93,7 @@ TEST(LoadServo, RejectsImpossibleEffects) {
   EXPECT_EQ(complaint(with_effects("period_ms=\"10\"", "period_ms=\"0.5\"")),
             "FILE:20: found period_ms = 0.5, expected a whole number from 1 to 100");
   EXPECT_EQ(complaint(with_effects("<backlash_rad>0.01", "<backlash_rad>1")),
-            "FILE:17: found <backlash_rad> = 1, expected a number from 0 to 0.5");
+            "FILE:17: found <backlash_rad> = 1, expected a number from 0 to 0.5 in rad; did you mean 1 deg?");
   EXPECT_EQ(complaint(with_effects("derating_C=\"70\"", "derating_C=\"95\"")),
             "FILE:18: found ambient_C = 20, derating_C = 95 and shutdown_C = 90, expected each above the one "
             "before");

@@ -63,7 +63,7 @@ TEST(LoadRobot, RotatesInertiasIntoTheAxesOfTheLink) {
 }
 
 TEST(LoadRobot, RejectsFilesThatAreNotARobot) {
-  EXPECT_EQ(complaint(""), "FILE: found XML error: empty document, expected well-formed XML");
+  EXPECT_EQ(complaint(""), "FILE:1: found an empty file, expected an XML element");
   EXPECT_EQ(complaint("<robot name='urdf'/>"), "FILE:1: found <robot>, expected <sdf>");
   EXPECT_EQ(complaint("<sdf version='1.9'/>"), "FILE:1: found <sdf> without <model>, expected that element");
   EXPECT_EQ(complaint(with("\"1.9\"", "\"1.6\"")), "FILE:1: found version = 1.6, expected 1.9");

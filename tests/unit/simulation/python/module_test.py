@@ -129,6 +129,30 @@ class Errors(unittest.TestCase):
                 call()
         self.assertTrue(issubclass(koboshi.InputError, ValueError))
 
+    def test_an_input_error_always_has_a_text(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scenario = pathlib.Path(folder, "scenario.yaml")
+            robot = pathlib.Path(folder, "robot.sdf")
+            pathlib.Path(folder, "meshes").symlink_to(ROOT / "robots/koboshi/meshes")
+            scenario.write_text(f"version: 1\nrobot: {robot}\nduration_s: 1\n")
+            good = (ROOT / "robots/koboshi/robot.sdf").read_bytes()
+            delay = b"<delay_s>0.001"
+            torque = good.index(delay, good.index(b"<koboshi:torque>"))
+            for bad in (good.replace(b'name="koboshi"', b'name="k\xf6boshi"', 1),
+                        good.replace(b'name="koboshi"', 'name="\u00e4\u6f22{}"'.format("\u6f22" * 60).encode(), 1),
+                        good.replace(b'name="head_pan"', b'name="head_pan "', 1),
+                        good[:torque] + b"<delay_s>0.002" + good[torque + len(delay):], b"", b"\xff"):
+                robot.write_bytes(bad)
+                with self.assertRaisesRegex(koboshi.InputError, r"robot\.sdf:\d+: found .+, expected .+"):
+                    koboshi.Simulation(scenario)
+        for arguments in ({"set": {"robot": "\u00e4" + "\u6f22" * 90}}, {"set": {"ground": {"shapes": [[[]]]}}}, {"seed": 2**64 - 1},
+                          {"stepper": "w\u00f6rld"}, {"set": {"physics.step_ms": float("nan")}},
+                          {"set": {"robot": "\U0001f916"}}):
+            with self.subTest(arguments), self.assertRaisesRegex(koboshi.InputError, ".+: found .+, expected .+"):
+                koboshi.Simulation(GO, **arguments)
+        with self.assertRaisesRegex(koboshi.InputError, "found no seed"):
+            koboshi.Simulations(GO, seeds=[])
+
     def test_a_refused_value_is_an_exception(self):
         sim = go(set={"commands": [{"at_s": 2, "enable": True}]})
         sim.step(3500)

@@ -66,6 +66,31 @@ TEST_F(ModelCheckTest, RefusesAFileThatIsMissing) {
   EXPECT_THROW(static_cast<void>(check_model(folder_.path / "nobody.sdf")), sim::InputError);
 }
 
+TEST_F(ModelCheckTest, FindsAllThatTheFirmwareCannotRepresent) {
+  plant("<link name=\"trunk\">", "<mass>0.36", "<mass>5.5");
+  const int mass_line = line_;
+  plant("<joint name=\"left_ankle_roll\"", "left_ankle_roll", "left_ankle_rol");
+  std::vector<int> lines;
+  for (const ModelFinding& one : check().findings) {
+    if (one.code != "R028") continue;
+    EXPECT_EQ(one.severity, simulation::Severity::kError);
+    lines.push_back(one.line);
+  }
+  ASSERT_EQ(lines.size(), 2u);  // the mass, and the leg of the model
+  EXPECT_LT(lines[0], mass_line);
+  EXPECT_EQ(lines[1], mass_line);
+}
+
+TEST_F(ModelCheckTest, FindsErrorsInTheParametersBesideTheRobot) {
+  const fs::path file = folder_.path / "parameters.yaml";
+  test::write_file(file, "version: 1\nrobot: koboshi\nparameters:\n  step_tme_ms: 240\n");
+  const ModelFinding unknown = finding("R029");
+  EXPECT_EQ(unknown.file, file);
+  EXPECT_EQ(unknown.line, 4);
+  test::write_file(file, "version: 1\nrobot: okina\nparameters: {}\n");
+  EXPECT_EQ(finding("R029").line, 2);
+}
+
 TEST_F(ModelCheckTest, FindsInertiasOutOfProportion) {
   plant("<link name=\"trunk\">", "<ixx>5.2908e-04</ixx><iyy>4.4508e-04</iyy><izz>3.0000e-04</izz>",
         "<ixx>5.2908e-02</ixx><iyy>4.4508e-02</iyy><izz>3.0000e-02</izz>");
@@ -96,7 +121,10 @@ TEST_F(ModelCheckTest, FindsMeshesThatAreOpenOrInverted) {
   fs::copy(source() / "meshes", folder_.path / "meshes");
   const fs::path mesh = folder_.path / "meshes" / "chest_cover.stl";
   test::write_file(mesh, "solid in_ascii\nendsolid in_ascii\n");
-  EXPECT_EQ(finding("R010").found, "chest_cover.stl, which cannot be shown");
+  EXPECT_EQ(finding("R010").found, "chest_cover.stl, which cannot be shown: no triangle");
+  EXPECT_EQ(finding("R010").severity, simulation::Severity::kError);
+  test::write_file(mesh, "v 0 0 0\n");
+  EXPECT_EQ(finding("R010").severity, simulation::Severity::kWarning);
   // A tetrahedron whose faces look inwards, and the same without one face.
   using Corner = std::array<float, 3>;
   const Corner o{0, 0, 0};
