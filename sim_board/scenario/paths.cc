@@ -16,7 +16,8 @@ fs::path repository_root(const fs::path& folder) {
 fs::path find_referenced(const fs::path& folder, const fs::path& path) {
   for (const fs::path& base : {folder, repository_root(folder)}) {
     const fs::path file = (base / path).lexically_normal();
-    if (fs::is_regular_file(file)) return file;
+    std::error_code ignored;  // of a name that is too long
+    if (fs::is_regular_file(file, ignored)) return file;
   }
   return {};
 }
@@ -24,7 +25,7 @@ fs::path find_referenced(const fs::path& folder, const fs::path& path) {
 fs::path read_path(const YamlValue& value, const fs::path& folder) {
   const fs::path file = find_referenced(folder, value.text());
   if (file.empty()) {
-    throw value.error("no file " + value.text(),
+    throw value.error("no file " + one_line(value.text()),
                       "a path relative to the scenario's folder or to the repository's root");
   }
   return file;

@@ -1,9 +1,12 @@
 #include "tools/view/capture/scene.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <fstream>
+#include <limits>
+#include <sstream>
 #include <string>
 
 #include "sim_board/robot/load.h"
