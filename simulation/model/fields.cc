@@ -183,7 +183,7 @@ void set_inertial_unit(const RobotDescription& robot, const BaseFrame& frame, ro
 void set_name(const RobotDescription& robot, robot::RobotModel& model) {
   if (robot.name.empty() || robot.name.size() > robot::kModelNameSize) {
     throw InputError(robot.file, robot.line, "the robot's name '" + sim::one_line(robot.name) + "'",
-                     "a name of 1 to " + std::to_string(robot::kModelNameSize) + " bytes");
+                     "a name of 1 to " + std::to_string(robot::kModelNameSize) + " letters");
   }
   std::copy(robot.name.begin(), robot.name.end(), model.name.begin());
 }

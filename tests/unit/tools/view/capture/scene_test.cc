@@ -101,8 +101,8 @@ TEST(Stl, RefusesDamagedFiles) {
     EXPECT_EQ(fault_of(std::string(good).replace(good.find("+2"), 2, number)),
               "a vertex that is no finite number");
   EXPECT_EQ(fault_of(std::string(good).replace(good.find("+2"), 2, "two")),
-            "in line 5 'two' instead of a number");
-  EXPECT_EQ(fault_of(good.substr(0, good.find("endloop"))), "in line 6 the end instead of endloop");
+            "in line 6 'two' instead of a number");
+  EXPECT_EQ(fault_of(good.substr(0, good.find("endloop"))), "in line 7 the end instead of endloop");
   EXPECT_EQ(fault_of("solid empty\nendsolid\n"), "no triangle");
 }
 
