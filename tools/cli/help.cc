@@ -27,7 +27,7 @@ const std::map<std::string, std::string>& placeholders() {
       {"--set", "KEY=VALUE"},      {"--start", "FILE"},       {"--stepper", "NAME"},
       {"--steppers", "NAME"},      {"--storage", "FILE"},     {"--time-constant-s", "SECONDS"},
       {"--type", "NAME"},          {"--with", "RUN"},         {"--walk", "SECONDS"},
-      {"--name", "NAME"}};
+      {"--interface", "NAME"},     {"--name", "NAME"}};
   return kPlaceholders;
 }
 
