@@ -62,6 +62,22 @@ class OnLoopback(unittest.TestCase):
             for group in (OURS, OTHER):
                 self.assertEqual(end_of(f"{folder}/{group}"), ("limp", 0), group)
 
+    def test_has_one_controller(self):
+        """A firmware that joins the bus of a run ends by itself and disturbs nothing."""
+        with tempfile.TemporaryDirectory() as folder:
+            run = start_run(OURS, f"{folder}/run")
+            try:
+                second = subprocess.run([KOBOSHI, "firmware", "scenarios/squat.yaml", "--can", f"udp:{OURS}:{PORT}"],
+                                        capture_output=True, text=True, timeout=PATIENCE_S)
+                run.communicate(timeout=PATIENCE_S)
+            finally:
+                run.kill()
+                run.wait()
+                run.stdout.close()
+            self.assertEqual(second.returncode, 1)
+            self.assertIn("another controller is on this bus", second.stderr)
+            self.assertEqual(end_of(f"{folder}/run")[0], "limp")
+
     def test_works_without_a_route_on_a_named_interface(self):
         with tempfile.TemporaryDirectory() as folder:
             subprocess.run(["ip", "route", "del", "239.0.0.0/8"], check=True)
