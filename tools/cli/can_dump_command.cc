@@ -1,3 +1,4 @@
+#include "sim_board/record/standard_streams.h"
 #include "tools/cli/commands.h"
 
 #include <fmt/color.h>
@@ -152,7 +153,7 @@ void dump(const CanDumpArguments& arguments) {
     ++shown;
   }
   print_remarks(*opened.source);
-  if (!foreign.empty()) fmt::print(stderr, "koboshi: not decoded: {}\n", foreign.text());
+  if (!foreign.empty()) sim::print_error("koboshi: not decoded: {}\n", foreign.text());
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
+#include "sim_board/record/standard_streams.h"
 #include "tools/can/export.h"
 #include "tools/can/source.h"
 #include "tools/can/statistics.h"
@@ -122,7 +123,7 @@ void replay_log(const CanReplayArguments& arguments) {
   }
   fmt::print("{} frames sent\n", frames);
   print_remarks(*source);
-  if (!skipped.empty()) fmt::print(stderr, "koboshi: not sent: {}\n", skipped.text());
+  if (!skipped.empty()) sim::print_error("koboshi: not sent: {}\n", skipped.text());
 }
 
 void add_replay(CLI::App& can) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "firmware/canopen/frame.h"
+#include "sim_board/record/standard_streams.h"
 #include "tools/can/frame_text.h"
 #include "tools/can/lss_master.h"
 #include "tools/can/sdo_transfer.h"
@@ -111,7 +112,7 @@ int find(const LssArguments& arguments) {
     ++next;
     session.master().switch_globally(LssSlave::State::kWaiting);
   }
-  if (found == 0) fmt::print(stderr, "koboshi: no LSS slave without a node id\n");
+  if (found == 0) sim::print_error("koboshi: no LSS slave without a node id\n");
   return found > 0 ? 0 : 1;
 }
 

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "sim_board/record/standard_streams.h"
 #include "tools/can/scan.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/options.h"
@@ -32,7 +33,7 @@ Example:
     const auto transport = open_can(arguments->can);
     const ScanResult result = scan_bus(*transport, static_cast<std::uint64_t>(1e6 * arguments->listen_s));
     if (result.nodes.empty()) {
-      fmt::print(stderr, "koboshi: no nodes on {}\n", transport->place());
+      sim::print_error("koboshi: no nodes on {}\n", transport->place());
     } else {
       fmt::print("{}", scan_table(result));
     }
