@@ -44,19 +44,9 @@ struct RenderArguments {
   std::vector<std::string> overlays{"time", "events", "zmp", "footprints", "pushes", "legend"};
 };
 
-// A direction to look from.
-struct NamedView {
-  std::string_view name;
-  double azimuth_deg;
-  double elevation_deg;
-};
-constexpr NamedView kViews[] = {
-    {"front", 0.0, 6.0}, {"side", 90.0, 6.0}, {"top", 180.0, 90.0}, {"iso", 50.0, 14.0}};
-
 std::vector<std::string> view_names() {
   std::vector<std::string> names;
-  std::ranges::transform(kViews, std::back_inserter(names),
-                         [](const NamedView& v) { return std::string(v.name); });
+  for (const view::NamedView& one : view::kNamedViews) names.emplace_back(one.option);
   return names;
 }
 
@@ -83,7 +73,7 @@ void set_camera(const RenderArguments& arguments, view::CameraChoice& camera) {
                   : arguments.camera == "orbit" ? view::CameraMotion::kOrbit
                                                 : view::CameraMotion::kFollow;
   const std::string name = arguments.view.empty() ? "iso" : arguments.view;
-  const NamedView& named = *std::ranges::find(kViews, name, &NamedView::name);
+  const view::NamedView& named = *std::ranges::find(view::kNamedViews, name, &view::NamedView::option);
   camera.azimuth_rad = kRadPerDegree * arguments.azimuth_deg.value_or(named.azimuth_deg);
   camera.elevation_rad = kRadPerDegree * arguments.elevation_deg.value_or(named.elevation_deg);
   camera.orbit_rad_per_s = kRadPerDegree * arguments.turn_deg_per_s;

@@ -11,6 +11,7 @@ class PlotDrawingTest final : public QObject {
   void states_and_events_have_texts();
   void legend_shows_values_at_the_cursor();
   void the_legend_leaves_room_for_the_curves();
+  void a_signal_without_values_is_not_in_the_legend();
   void dashes_have_gaps_data();
   void dashes_have_gaps();
   void gaps_are_not_drawn_data();
@@ -73,13 +74,44 @@ void PlotDrawingTest::the_legend_leaves_room_for_the_curves() {
   TimeView view;
   PlotWidget plot(view, nullptr);
   plot.set_traces(traces);
-  for (const QSize size : {QSize(900, 300), QSize(430, 150), QSize(430, 120), QSize(240, 84)}) {
+  for (const QSize size :
+       {QSize(900, 300), QSize(430, 150), QSize(430, 120), QSize(240, 84), QSize(300, 500)}) {
     plot.resize(size);
     plot.grab();
     const double room = plot.curve_height() / size.height();
     QVERIFY2(room >= 0.37,
              qPrintable(QStringLiteral("%1x%2: %3").arg(size.width()).arg(size.height()).arg(room)));
   }
+  plot.resize(1300, 300);
+  plot.grab();
+  QVERIFY(plot.legend_texts().contains(QStringLiteral("left_knee_true")));
+  plot.resize(430, 150);
+  plot.grab();
+  QVERIFY(plot.legend_texts().contains(QStringLiteral("true")));
+  plot.resize(240, 84);
+  plot.grab();
+  QVERIFY2(plot.legend_texts().back().startsWith(QLatin1Char('+')),
+           qPrintable(plot.legend_texts().join(u' ')));
+}
+
+void PlotDrawingTest::a_signal_without_values_is_not_in_the_legend() {
+  PlotPanel panel;
+  const std::vector<view::Signal> signals{{.name = "planned_zmp_y", .unit = "m"},
+                                          {.name = "zmp_y", .unit = "m"}};
+  panel.set_signals(signals);
+  const auto append = [&](std::uint64_t tick, float planned) {
+    const std::vector<float> values{planned, 0.01F};
+    panel.append(tick * kTick_us, values);
+    panel.set_cursor(tick * kTick_us);
+  };
+  const QString planned = QStringLiteral("planned_zmp_y");
+  append(1, std::nanf(""));
+  panel.resize(900, 600);
+  panel.grab();  // lays it out
+  QCOMPARE(panel.plot(0).legend_texts(), QStringList{QStringLiteral("zmp_y")});
+  QVERIFY(!panel.plot(0).legend_texts().contains(planned));
+  append(2, 0.02F);
+  QVERIFY(panel.plot(0).legend_texts().contains(planned));
 }
 
 void PlotDrawingTest::dashes_have_gaps_data() {

@@ -21,5 +21,29 @@ TEST(Inbox, PutsEventsInOrderOfTime) {
   EXPECT_EQ(texts, (std::vector<std::string>{"limp", "enable", "standing", "left_knee: operational"}));
 }
 
+// The events of the run may come later than the rewind: until then, those of the future are gone as well.
+TEST(Inbox, ARewindForgetsTheEventsOfTheFuture) {
+  const std::vector<view::Event> events{{1'000'000, "state", "standing"}, {3'000'000, "state", "walking"}};
+  const auto texts = [](const view::Recording& recording) {
+    std::vector<std::string> all;
+    for (const view::Event& event : recording.events) all.push_back(event.text);
+    return all;
+  };
+  const std::vector<std::string> past{"standing"};
+  view::Recording taken;
+  Inbox inbox;
+  inbox.set_events(events);
+  append(inbox.take(), taken);
+  inbox.rewind({2'000'000, 2'000'000});
+  append(inbox.take(), taken);
+  EXPECT_EQ(texts(taken), past);
+
+  view::Recording waiting;  // the events were still in the inbox
+  inbox.set_events(events);
+  inbox.rewind({2'000'000, 2'000'000});
+  append(inbox.take(), waiting);
+  EXPECT_EQ(texts(waiting), past);
+}
+
 }  // namespace
 }  // namespace koboshi::studio

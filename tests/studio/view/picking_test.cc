@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
 #include <vector>
 
 namespace koboshi::studio {
@@ -67,6 +69,36 @@ TEST(Picker, FollowsThePoseOfALink) {
 TEST(Picker, IgnoresWhatLiesBehindTheViewer) {
   const view::Scene shapes = scene();
   EXPECT_FALSE(Picker(shapes).pick(poses(), {{2.0, 0.0, 0.0}, Eigen::Vector3d::UnitX()}));
+}
+
+// The box of scene(), seen along -x from 2 m: the pixel that shows its left edge.
+TEST(Picker, ANearMissFindsTheNearestLink) {
+  constexpr int kWidth_px = 800;
+  constexpr int kHeight_px = 600;
+  const view::Scene shapes = scene();
+  const Picker picker(shapes);
+  view::Camera camera;
+  camera.distance_m = 2.0;
+  const auto box_only = [](int link) { return link == 0; };
+  const Eigen::Vector2d edge_px = view::project(camera, kWidth_px, kHeight_px, {0.1, 0.1, 0.0});
+  const auto near = [&](double beside_px, const std::function<bool(int)>& accepts) {
+    const double outwards = edge_px.x() > 0.5 * kWidth_px ? beside_px : -beside_px;
+    return pick_near(picker, poses(), camera, kWidth_px, kHeight_px, edge_px + Eigen::Vector2d(outwards, 0.0),
+                     accepts);
+  };
+  for (const double beside_px : {-3.0, 0.5, 4.0, 7.5}) {
+    const auto found = near(beside_px, box_only);
+    ASSERT_TRUE(found) << beside_px;
+    EXPECT_EQ(found->hit.link, 0);
+    EXPECT_GE(found->distance_px, std::max(0.0, beside_px));
+    EXPECT_LE(found->distance_px, std::max(0.0, beside_px) + kNear_px / 3.0);
+  }
+  EXPECT_FALSE(near(kNear_px + 1.0, box_only));
+  // What is under the pixel comes before what is beside it.
+  const auto behind = near(4.0, [](int) { return true; });
+  ASSERT_TRUE(behind);
+  EXPECT_EQ(behind->hit.link, 1);
+  EXPECT_EQ(behind->distance_px, 0.0);
 }
 
 }  // namespace

@@ -77,6 +77,45 @@ class PoseDragTest final : public ViewFixture {
     QCOMPARE(motion.text(), before);
   }
 
+  // A press some pixels beside a hand grabs it; the camera turns where nothing is near.
+  void a_near_miss_grabs() {
+    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
+    MotionPanel& motion = window_->motion();
+    RobotView& view = window_->view();
+    QTRY_VERIFY(place_of("left_forearm"));
+    const auto is_free = [&](const QPoint& place) {
+      return !view.link_at(place) && !view.gizmo_handle_at(place);
+    };
+    std::optional<QPoint> beside;
+    for (QPoint place = *place_of("left_forearm"); view.rect().contains(place) && !beside; place.rx() += 1)
+      if (is_free(place)) beside = place + QPoint(4, 0);
+    QVERIFY(beside && is_free(*beside));
+    const std::string before = motion.text();
+    const double azimuth = view.camera().azimuth_rad;
+    drag(*beside, {30, -40});
+    QVERIFY(motion.text() != before);
+    QCOMPARE(view.camera().azimuth_rad, azimuth);
+    drag({5, 5}, {30, 0});
+    QVERIFY(view.camera().azimuth_rad != azimuth);
+  }
+
+  void the_camera_stays_above_the_floor() {
+    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
+    RobotView& view = window_->view();
+    QTRY_VERIFY(place_of("left_forearm"));
+    const view::Camera at_first = view.camera();
+    for (int i = 0; i < 4; ++i) {
+      drag({5, view.height() - 5}, {20, 10 - view.height()});
+      drag({5, view.height() - 5}, {20, 10 - view.height()}, Qt::ShiftModifier);
+      QVERIFY(view.camera().eye_W_m().z() > 0.0199);
+      QVERIFY(view.camera().target_W_m.z() > -1e-9);
+    }
+    QTest::keyClick(window_.get(), Qt::Key_F);
+    QVERIFY((view.camera().target_W_m - at_first.target_W_m).norm() < 0.01);
+    QVERIFY(std::abs(view.camera().distance_m - at_first.distance_m) < 0.01);
+    QVERIFY(view.camera().elevation_rad > 0.1);
+  }
+
   void drags_the_trunk_with_both_feet_on_the_ground() {
     window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
     MotionPanel& motion = window_->motion();

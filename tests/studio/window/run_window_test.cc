@@ -19,17 +19,21 @@
 #include <filesystem>
 #include <memory>
 
+#include "sim_board/input/text.h"
 #include "sim_board/scenario/reader.h"
 #include "tests/studio/window/view_fixture.h"
 #include "tests/support/sample_recording.h"
+#include "tools/studio/model/robot_copy.h"
 #include "tools/studio/plot/plot_panel.h"
 #include "tools/studio/window/can_panel.h"
+#include "tools/studio/window/event_panel.h"
 #include "tools/studio/window/message_bar.h"
 #include "tools/studio/window/node_table.h"
 #include "tools/studio/window/object_panel.h"
 #include "tools/studio/window/scenario_settings.h"
 #include "tools/studio/window/transport_bar.h"
 #include "tools/view/recording/recording_file.h"
+#include "tools/view/render/looks.h"
 
 namespace koboshi::studio {
 
@@ -91,6 +95,19 @@ class RunWindowTest final : public ViewFixture {
     QTest::keyClick(window_.get(), Qt::Key_Backspace);
     QTRY_COMPARE_WITH_TIMEOUT(window_->run().end_us(), std::uint64_t{3'300'000}, kPatience_ms);
     QVERIFY(window_->run().recording().pushes.empty());
+    // No table keeps the future.
+    const auto last_s = [](const QTableView* table, int column) {
+      const int rows = table->model()->rowCount();
+      return rows > 0 ? table->model()->index(rows - 1, column).data().toString().toDouble() : -1.0;
+    };
+    auto* events = window_->findChild<EventPanel*>();
+    QVERIFY(last_s(events, 0) > 0.0);
+    QVERIFY2(last_s(events, 0) <= 3.3, qPrintable(QString::number(last_s(events, 0))));
+    const auto* frames = window_->findChild<QTableView*>(QStringLiteral("frames"));
+    QVERIFY2(last_s(frames, FrameModel::kTime) <= 3.31,
+             qPrintable(QString::number(last_s(frames, FrameModel::kTime))));
+    const SampleTimes& times = *window_->findChild<PlotPanel*>()->samples().times();
+    QCOMPARE(times[times.size() - 1], std::uint64_t{3'300'000});
     run_to(4'000'000);
     QVERIFY(window_->run().session()->state_hash() != pushed);
   }
@@ -106,6 +123,65 @@ class RunWindowTest final : public ViewFixture {
     auto* frames = window_->findChild<QTableView*>(QStringLiteral("frames"));
     const QString time = frames->currentIndex().siblingAtColumn(FrameModel::kTime).data().toString();
     QVERIFY2(time.toDouble() <= 1.0 && time.toDouble() > 0.9, qPrintable(time));
+  }
+
+  void a_click_on_the_time_slider_jumps_there() {
+    open_scenario("walk.yaml");
+    run_to(3'000'000);
+    auto* slider = window_->findChild<TransportBar*>()->findChild<QSlider*>();
+    for (const double share : {0.75, 0.25, 0.5}) {
+      QTest::mouseClick(slider, Qt::LeftButton, {},
+                        {static_cast<int>(share * slider->width()), slider->height() / 2});
+      const double cursor_s = 1e-6 * static_cast<double>(window_->run().cursor_us());
+      QVERIFY2(std::abs(cursor_s - 3.0 * share) < 0.06, qPrintable(QString::number(cursor_s)));
+    }
+  }
+
+  void a_scenario_starts_with_the_robot_of_the_command_line() {
+    QTemporaryDir folder;
+    RobotCopies copies(kRoot / "robots/koboshi/robot.sdf", folder.path().toStdString());
+    const std::filesystem::path other =
+        copies.write(sim::read_text_file(kRoot / "robots/koboshi/robot.sdf", "a robot"));
+    window_ = test::make_window(other);
+    QVERIFY(window_);
+    window_->use_robot_in_scenarios();
+    open(kRoot / "scenarios/walk.yaml");
+    QCOMPARE(window_->run().session()->scenario().robot, other);
+    QSignalSpy opened(&window_->run(), &RunController::opened);
+    QVERIFY(test::click(*window_, "restart"));
+    QVERIFY(opened.wait(kPatience_ms));
+    QCOMPARE(window_->run().session()->scenario().robot, other);
+  }
+
+  // As in the replay page (view/render/looks.h).
+  void keys_are_those_of_the_replay_page() {
+    open_scenario("walk.yaml");
+    for (const view::NamedView& named : view::kNamedViews) {
+      QTest::keyClick(window_.get(), named.key);
+      const view::Camera& camera = window_->view().camera();
+      QVERIFY(std::abs(camera.azimuth_rad - named.azimuth_deg / 57.29578) < 1e-3);
+      QVERIFY(std::abs(camera.elevation_rad - named.elevation_deg / 57.29578) < 1e-3);
+    }
+    const std::pair<std::string_view, const char*> texts[] = {{"play", "Start"},
+                                                              {"tick", "Advance one control tick (10 ms)"},
+                                                              {"tick_back", "Back one control tick (10 ms)"},
+                                                              {"begin", "To the beginning"},
+                                                              {"end", "To the end"},
+                                                              {"look", "Look at the robot"},
+                                                              {"follow", "Follow the robot"}};
+    QCOMPARE(std::size(texts), view::kSharedKeys.size());
+    for (const auto& [name, text] : texts) {
+      const auto shared = std::ranges::find(view::kSharedKeys, name, &view::SharedKey::action);
+      QVERIFY(shared != view::kSharedKeys.end());
+      const QString key = QString::fromUtf8(shared->key.data(), static_cast<qsizetype>(shared->key.size()));
+      const bool is_upper = key.size() == 1 && key.front().isUpper();
+      const QAction* found = action(text);
+      QVERIFY2(found != nullptr, text);
+      const QKeySequence wanted(key == QStringLiteral(" ") ? QStringLiteral("Space")
+                                : is_upper                 ? QStringLiteral("Shift+") + key
+                                                           : key);
+      QVERIFY2(found->shortcuts().contains(wanted), text);
+    }
   }
 
   void filters_frames_and_shows_the_load() {

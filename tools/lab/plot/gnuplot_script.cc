@@ -10,6 +10,7 @@
 #include "sim_board/input/text.h"
 #include "tools/lab/plot/gnuplot.h"
 #include "tools/lab/plot/layout.h"
+#include "tools/lab/plot/unwrap.h"
 
 namespace koboshi::tools {
 namespace {
@@ -71,6 +72,15 @@ Range padded(Range data, double smallest_span) {
   if (span == 0.0) span = 1.0;
   const double middle = 0.5 * (data.low + data.high);
   return {middle - 0.55 * span, middle + 0.55 * span};
+}
+
+// Removes the jumps of an angle at the ends of its range; a turn of 0: no angle.
+void unwrap(std::vector<double>& values, double turn) {
+  double last = std::numeric_limits<double>::quiet_NaN();
+  for (double& value : values) {
+    if (turn == 0.0 || std::isnan(value)) continue;
+    last = value = unwrapped(last, value, turn);
+  }
 }
 
 class Script {
@@ -142,6 +152,7 @@ class Script {
       for (std::size_t s = 0; s < panel.series.size(); ++s) {
         const Series& series = panel.series[s];
         std::vector<double> y = cut(values_of(columns_, series.column), series.factor);
+        unwrap(y, series.factor * turn_of(series.column));
         for (std::size_t i = 0; series.from_x && i < x.size(); ++i) {
           if (x[i] < *series.from_x) y[i] = std::numeric_limits<double>::quiet_NaN();
         }

@@ -45,10 +45,13 @@ int run_program(int argc, char** argv) {
   program.add_option("FILE", files, "Scenarios, motions, and folders or files of recorded runs to open")
       ->type_name("")
       ->check(CLI::ExistingPath.description(""));
-  program.add_option("--robot", robot, "The robot whose motions are edited")
-      ->type_name("ROBOT")
-      ->capture_default_str()
-      ->check(CLI::ExistingFile.description(""));
+  auto* robot_option =
+      program
+          .add_option("--robot", robot,
+                      "The robot that is edited, and with which scenarios start instead of their own")
+          ->type_name("ROBOT")
+          ->capture_default_str()
+          ->check(CLI::ExistingFile.description(""));
   std::string can;
   koboshi::sim::TransportOptions transport;
   auto* can_option =
@@ -77,6 +80,7 @@ int run_program(int argc, char** argv) {
       QLocale(), QApplication::applicationDirPath() + QStringLiteral("/translations"));
   if (translation) QApplication::installTranslator(translation.get());
   koboshi::studio::MainWindow window(robot);
+  if (robot_option->count() > 0) window.use_robot_in_scenarios();
   for (const std::filesystem::path& file : files) window.open(file);
   if (!can.empty()) window.attach(can, transport);
   window.show();

@@ -16,6 +16,7 @@
 #include "sim_board/input/user_units.h"
 #include "simulation/motion/joints.h"
 #include "tools/studio/document/edit_support.h"
+#include "tools/studio/widgets/jump_slider.h"
 #include "tools/studio/widgets/value_filter.h"
 
 namespace koboshi::studio {
@@ -130,7 +131,7 @@ void JointPanel::add_joint(QGridLayout& grid, std::size_t joint) {
   QFont bold = row.name->font();
   bold.setBold(true);
   row.name->setMinimumWidth(QFontMetrics(bold).horizontalAdvance(row.name->text()) + 2);
-  row.slider = new QSlider(Qt::Horizontal);
+  row.slider = new JumpSlider(Qt::Horizontal);
   row.slider->setMinimumWidth(70);
   row.slider->setRange(static_cast<int>(std::ceil(lower_deg * kUnitsPerDegree)),
                        static_cast<int>(std::floor(upper_deg * kUnitsPerDegree)));

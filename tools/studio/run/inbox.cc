@@ -23,6 +23,7 @@ void append(Batch&& batch, view::Recording& recording) {
   if (batch.rewound) {
     erase_after(recording.samples, batch.rewound->time_us, &view::Sample::time_us);
     erase_after(recording.frames, batch.rewound->bus_us, &view::Frame::end_us);
+    erase_after(recording.events, batch.rewound->time_us, &view::Event::time_us);
   }
   if (batch.all_pushes) recording.pushes.clear();
   move_to_end(batch.samples, recording.samples);
@@ -40,6 +41,7 @@ void Inbox::rewind(const Rewind& to) {
   const std::scoped_lock lock(mutex_);
   erase_after(batch_.samples, to.time_us, &view::Sample::time_us);
   erase_after(batch_.frames, to.bus_us, &view::Frame::end_us);
+  if (batch_.events) erase_after(*batch_.events, to.time_us, &view::Event::time_us);
   batch_.pushes.clear();
   batch_.all_pushes = true;
   if (!batch_.rewound || to.time_us < batch_.rewound->time_us) batch_.rewound = to;

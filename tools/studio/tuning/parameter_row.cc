@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/studio/widgets/jump_slider.h"
 #include "tools/studio/widgets/value_filter.h"
 
 namespace koboshi::studio {
@@ -45,7 +46,7 @@ ParameterRow::ParameterRow(const ParameterInfo& info, bool tells_effect, QGridLa
       info_(info),
       tells_effect_(tells_effect),
       name_(new QLabel(readable_key(info))),
-      slider_(new QSlider(Qt::Horizontal)),
+      slider_(new JumpSlider(Qt::Horizontal)),
       box_(new QDoubleSpinBox),
       live_(new QLabel),
       reset_(new QToolButton) {

@@ -37,6 +37,33 @@ void zoom(view::Camera& camera, double factor) {
   camera.distance_m = std::clamp(camera.distance_m / factor, kNearest_m, kFarthest_m);
 }
 
+// With the target t, the distance d and the plane's normal n and offset o, the eye is clear where
+//
+//   n t + d (a cos e + n_z sin e) >= o + clearance,  a = n_x cos(azimuth) + n_y sin(azimuth)
+//
+// that is cos(e - phi) >= s / r with r = hypot(a, n_z), phi = atan2(n_z, a).
+void raise_above(view::Camera& camera, std::span<const view::Plane> ground) {
+  for (const view::Plane& plane : ground) {
+    const Eigen::Vector3d& n = plane.normal_W;
+    const double depth_m = plane.offset_m - n.dot(camera.target_W_m);
+    if (depth_m > 0.0) camera.target_W_m.z() += depth_m / n.z();
+    const double along = n.x() * std::cos(camera.azimuth_rad) + n.y() * std::sin(camera.azimuth_rad);
+    const double wanted = (plane.offset_m + kClearance_m - n.dot(camera.target_W_m)) / camera.distance_m /
+                          std::hypot(along, n.z());
+    if (wanted <= -1.0) continue;
+    const double lowest_rad = std::atan2(n.z(), along) - std::acos(std::min(wanted, 1.0));
+    camera.elevation_rad = std::min(std::max(camera.elevation_rad, lowest_rad), kMaxElevation_rad);
+  }
+}
+
+void lift_above(view::Camera& camera, std::span<const view::Plane> ground) {
+  for (const view::Plane& plane : ground) {
+    const double eye_m = plane.offset_m + kClearance_m - plane.normal_W.dot(camera.eye_W_m());
+    const double target_m = plane.offset_m - plane.normal_W.dot(camera.target_W_m);
+    camera.target_W_m.z() += std::max({0.0, eye_m, target_m}) / plane.normal_W.z();
+  }
+}
+
 Ray ray_through(const view::Camera& camera, int width_px, int height_px, const Eigen::Vector2d& pixel) {
   const double scale = metres_per_pixel(camera, height_px, 1.0);
   const Eigen::Vector3d direction_C(scale * (pixel.x() - 0.5 * width_px),

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 
+#include "tools/view/recording/recording.h"
 #include "tools/view/render/camera.h"
 
 namespace koboshi::studio {
@@ -16,6 +18,14 @@ void pan(view::Camera& camera, const Eigen::Vector2d& drag_px, int height_px);
 void zoom(view::Camera& camera, double factor);
 inline constexpr double kNearest_m = 0.05;
 inline constexpr double kFarthest_m = 50.0;
+
+// Height above the ground at which the eye stays.
+inline constexpr double kClearance_m = 0.02;
+// After a turn or a change of the distance: raises the elevation until the eye is kClearance_m above every
+// plane of the ground. A target below a plane is lifted to it. Without planes nothing changes.
+void raise_above(view::Camera& camera, std::span<const view::Plane> ground);
+// After a movement: lifts eye and target together by as much as raise_above() demands of either.
+void lift_above(view::Camera& camera, std::span<const view::Plane> ground);
 
 // A half line in the world.
 struct Ray {

@@ -23,39 +23,37 @@ Eigen::Vector3d tip_W_m(const Gizmo& gizmo, int axis) {
   return gizmo.p_W_m + gizmo.length_m * Eigen::Vector3d::Unit(axis);
 }
 
-std::optional<int> pick_arrow(const Gizmo& gizmo, const view::Camera& camera, int width_px, int height_px,
-                              const Eigen::Vector2d& pixel) {
+std::optional<NearHandle> pick_arrow(const Gizmo& gizmo, const view::Camera& camera, int width_px,
+                                     int height_px, const Eigen::Vector2d& pixel, double reach_px) {
   const Eigen::Vector2d origin_px = view::project(camera, width_px, height_px, gizmo.p_W_m);
-  std::optional<int> nearest;
-  double nearest_px = kReach_px;
+  std::optional<NearHandle> nearest;
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector2d arrow_px =
         view::project(camera, width_px, height_px, tip_W_m(gizmo, axis)) - origin_px;
     if (arrow_px.norm() < kShortest_px) continue;
     const double share = (pixel - origin_px).dot(arrow_px) / arrow_px.squaredNorm();
     const double distance_px = (origin_px + std::clamp(share, kInner, 1.0) * arrow_px - pixel).norm();
-    if (distance_px >= nearest_px) continue;
-    nearest_px = distance_px;
-    nearest = axis;
+    if (distance_px >= (nearest ? nearest->distance_px : reach_px)) continue;
+    nearest = {{Handle::Kind::kArrow, axis}, distance_px};
   }
   return nearest;
 }
 
-std::optional<int> pick_ring(const Gizmo& gizmo, const view::Camera& camera, int width_px, int height_px,
-                             const Eigen::Vector2d& pixel, double surface_m) {
+std::optional<NearHandle> pick_ring(const Gizmo& gizmo, const view::Camera& camera, int width_px,
+                                    int height_px, const Eigen::Vector2d& pixel, double surface_m,
+                                    double reach_px) {
   if (!gizmo.rotates) return std::nullopt;
   const Eigen::Vector2d origin_px = view::project(camera, width_px, height_px, gizmo.p_W_m);
   const Eigen::Vector3d right_W = camera.view().row(0).head<3>().cast<double>();
   const double radius_px =
       (view::project(camera, width_px, height_px, gizmo.p_W_m + gizmo.ring_m() * right_W) - origin_px).norm();
   if ((pixel - origin_px).norm() < kInner * radius_px) return std::nullopt;
-  std::optional<int> nearest;
-  double nearest_px = kRingReach_px;
+  std::optional<NearHandle> nearest;
   for (int axis = 0; axis < 3; ++axis) {
     const RingPoint point = nearest_on_ring(gizmo, axis, camera, width_px, height_px, pixel);
-    if (point.distance_px >= nearest_px || point.from_eye_m > surface_m + kRadius * gizmo.length_m) continue;
-    nearest_px = point.distance_px;
-    nearest = axis;
+    if (point.distance_px >= (nearest ? nearest->distance_px : reach_px)) continue;
+    if (point.from_eye_m > surface_m + kRadius * gizmo.length_m) continue;
+    nearest = {{Handle::Kind::kRing, axis}, point.distance_px};
   }
   return nearest;
 }
@@ -80,11 +78,18 @@ void add_gizmo(view::Marks& marks, const Gizmo& gizmo, const view::Camera& camer
 
 std::optional<Handle> pick_handle(const Gizmo& gizmo, const view::Camera& camera, int width_px, int height_px,
                                   const Eigen::Vector2d& pixel, double surface_m) {
-  if (const auto arrow = pick_arrow(gizmo, camera, width_px, height_px, pixel))
-    return Handle{Handle::Kind::kArrow, *arrow};
-  if (const auto ring = pick_ring(gizmo, camera, width_px, height_px, pixel, surface_m))
-    return Handle{Handle::Kind::kRing, *ring};
-  return std::nullopt;
+  auto found = pick_arrow(gizmo, camera, width_px, height_px, pixel, kReach_px);
+  if (!found) found = pick_ring(gizmo, camera, width_px, height_px, pixel, surface_m, kRingReach_px);
+  return found ? std::optional(found->handle) : std::nullopt;
+}
+
+std::optional<NearHandle> nearest_handle(const Gizmo& gizmo, const view::Camera& camera, int width_px,
+                                         int height_px, const Eigen::Vector2d& pixel, double surface_m,
+                                         double reach_px) {
+  const auto arrow = pick_arrow(gizmo, camera, width_px, height_px, pixel, reach_px);
+  const auto ring =
+      pick_ring(gizmo, camera, width_px, height_px, pixel, surface_m, arrow ? arrow->distance_px : reach_px);
+  return ring ? ring : arrow;
 }
 
 Eigen::Vector3d along_axis_W_m(const Gizmo& gizmo, int axis, const view::Camera& camera, int width_px,

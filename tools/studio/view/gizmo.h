@@ -27,6 +27,12 @@ struct Handle {
   bool operator==(const Handle&) const = default;
 };
 
+// A handle beside a pixel.
+struct NearHandle {
+  Handle handle;
+  double distance_px = 0.0;
+};
+
 // Length of the arrows as a share of the camera's distance: they keep their size on the screen.
 inline constexpr double kGizmoShare = 0.09;
 
@@ -41,6 +47,12 @@ void add_gizmo(view::Marks& marks, const Gizmo& gizmo, const view::Camera& camer
 [[nodiscard]] std::optional<Handle> pick_handle(const Gizmo& gizmo, const view::Camera& camera, int width_px,
                                                 int height_px, const Eigen::Vector2d& pixel,
                                                 double surface_m = std::numeric_limits<double>::infinity());
+// The arrow or ring that is seen nearest to the pixel and less than `reach_px` from it; otherwise as
+// pick_handle().
+[[nodiscard]] std::optional<NearHandle> nearest_handle(const Gizmo& gizmo, const view::Camera& camera,
+                                                       int width_px, int height_px,
+                                                       const Eigen::Vector2d& pixel, double surface_m,
+                                                       double reach_px);
 // The displacement along an axis whose image is the drag's share along the arrow's image; zero for an axis
 // that points at the camera.
 [[nodiscard]] Eigen::Vector3d along_axis_W_m(const Gizmo& gizmo, int axis, const view::Camera& camera,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 #include <utility>
 #include <variant>
 
@@ -99,6 +100,26 @@ std::optional<Hit> Picker::pick(std::span<const view::Pose> links, const Ray& ra
     nearest = {target.link, distance_m, ray_L.origin_W_m + distance_m * ray_L.direction_W};
   }
   return nearest;
+}
+
+// Looks along circles about the pixel; the first that meets an accepted link decides.
+std::optional<NearHit> pick_near(const Picker& picker, std::span<const view::Pose> links,
+                                 const view::Camera& camera, int width_px, int height_px,
+                                 const Eigen::Vector2d& pixel, const std::function<bool(int link)>& accepts) {
+  constexpr int kCircles = 3;
+  constexpr int kPlaces = 8;  // on the innermost circle, and more on each further one
+  for (int circle = 0; circle <= kCircles; ++circle) {
+    const double radius_px = kNear_px * circle / kCircles;
+    const int places = std::max(1, kPlaces * circle);
+    for (int i = 0; i < places; ++i) {
+      const double angle_rad = 2.0 * std::numbers::pi * i / places;
+      const Eigen::Vector2d beside =
+          pixel + radius_px * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
+      const auto hit = picker.pick(links, ray_through(camera, width_px, height_px, beside));
+      if (hit && accepts(hit->link)) return NearHit{*hit, radius_px};
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace koboshi::studio

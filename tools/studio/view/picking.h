@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -37,5 +38,20 @@ class Picker {
 
   std::vector<Target> targets_;
 };
+
+// Distance of the mouse from a link or a handle within which a press still grabs it.
+inline constexpr double kNear_px = 9.0;
+
+// A hit beside a pixel.
+struct NearHit {
+  Hit hit;
+  double distance_px = 0.0;
+};
+
+// The accepted link that is seen nearest to a pixel, at most kNear_px from it, to a third of that. Nothing if
+// there is none.
+std::optional<NearHit> pick_near(const Picker& picker, std::span<const view::Pose> links,
+                                 const view::Camera& camera, int width_px, int height_px,
+                                 const Eigen::Vector2d& pixel, const std::function<bool(int link)>& accepts);
 
 }  // namespace koboshi::studio

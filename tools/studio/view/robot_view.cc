@@ -162,6 +162,7 @@ void RobotView::set_follow(bool follow) {
 void RobotView::look_from(double azimuth_rad, double elevation_rad) {
   picture_.camera.azimuth_rad = azimuth_rad;
   picture_.camera.elevation_rad = elevation_rad;
+  raise_above(picture_.camera, scene_.planes);
   redraw_moving();
 }
 
@@ -169,11 +170,14 @@ void RobotView::look_at_robot() {
   if (picture_.links.empty()) return;
   Eigen::AlignedBox3d box;
   for (const view::Pose& pose : picture_.links) box.extend(pose.p_WL_m.cast<double>());
-  constexpr double kAroundOrigins_m = 0.06;  // limbs reach beyond the origins of their links
+  constexpr double kAroundOrigins_m = 0.06;            // limbs reach beyond the origins of their links
+  constexpr double kLowest_rad = 6.0 * kRadPerDegree;  // that of the view from the front
   picture_.camera.target_W_m = box.center();
+  picture_.camera.elevation_rad = std::max(picture_.camera.elevation_rad, kLowest_rad);
   picture_.camera.distance_m =
       view::distance_to_fit(picture_.camera, std::max(1.0, double(width()) / std::max(height(), 1)),
                             0.5 * box.diagonal().norm() + kAroundOrigins_m);
+  raise_above(picture_.camera, scene_.planes);
   framed_ = true;
   followed_W_m_.reset();
   update();
@@ -187,6 +191,7 @@ void RobotView::follow_robot() {
   const Eigen::Vector3d now_m = robot_W_m();
   if (followed_W_m_) picture_.camera.target_W_m.head<2>() += (now_m - *followed_W_m_).head<2>();
   followed_W_m_ = now_m;
+  lift_above(picture_.camera, scene_.planes);
 }
 
 void RobotView::redraw_moving() {

@@ -91,6 +91,15 @@ class RobotView final : public QWidget {
   // The posable link, and the arrow or ring, under a place of the widget.
   std::optional<Hit> posable_at(const QPointF& place) const;
   std::optional<Handle> gizmo_handle_at(const QPointF& place) const;
+  // What a press at a place of the widget grabs: the handle under it, else the posable link under it, else
+  // the nearest of both within kNear_px. Nothing of both: none.
+  struct Grabbed {
+    std::optional<Handle> handle = {};
+    std::optional<Hit> link = {};
+  };
+  Grabbed grabbed_at(const QPointF& place, bool with_handles = true) const;
+  // The link under a place of the widget, or the nearest within kNear_px.
+  std::optional<Hit> link_near(const QPointF& place) const;
   // Names and places of the shown link frames and joint axes under a place of the widget; empty: none.
   QString mark_text_at(const QPointF& place) const;
   // Whether the picture rests, so that it is drawn in full resolution.
@@ -151,6 +160,8 @@ class RobotView final : public QWidget {
   bool begin_pose_drag(const QMouseEvent& event);
   void continue_pose_drag(const QPointF& place);
   void hover(const QPointF& place);
+  bool is_posable(int link) const;
+  double surface_m(const QPointF& place) const;
   void pick(const QPointF& place);
   void name_marks(const QPointF& place);
 

@@ -32,10 +32,42 @@ std::optional<Hit> RobotView::link_at(const QPointF& place) const {
   return picker_.pick(picture_.links, ray_through(picture_.camera, width(), height(), pixels(place)));
 }
 
+std::optional<Hit> RobotView::link_near(const QPointF& place) const {
+  const auto any = [](int) { return true; };
+  const auto found =
+      pick_near(picker_, picture_.links, picture_.camera, width(), height(), pixels(place), any);
+  return found ? std::optional(found->hit) : std::nullopt;
+}
+
+bool RobotView::is_posable(int link) const {
+  return std::ranges::find(posable_, link, &Posable::link) != posable_.end();
+}
+
 std::optional<Hit> RobotView::posable_at(const QPointF& place) const {
   if (posable_.empty()) return std::nullopt;
   const auto hit = picker_.pick(posed(), ray_through(picture_.camera, width(), height(), pixels(place)));
-  return hit && std::ranges::find(posable_, hit->link, &Posable::link) != posable_.end() ? hit : std::nullopt;
+  return hit && is_posable(hit->link) ? hit : std::nullopt;
+}
+
+// Distance from the eye to what is seen of the robot that can be posed.
+double RobotView::surface_m(const QPointF& place) const {
+  const auto hit = picker_.pick(posed(), ray_through(picture_.camera, width(), height(), pixels(place)));
+  return hit ? hit->distance_m : std::numeric_limits<double>::infinity();
+}
+
+RobotView::Grabbed RobotView::grabbed_at(const QPointF& place, bool with_handles) const {
+  if (posable_.empty()) return {};
+  const auto handles = with_handles ? gizmo() : std::nullopt;
+  if (handles)
+    if (const auto handle = gizmo_handle_at(place)) return {.handle = handle};
+  if (const auto link = posable_at(place)) return {.link = link};
+  const auto handle = handles ? nearest_handle(*handles, picture_.camera, width(), height(), pixels(place),
+                                               surface_m(place), kNear_px)
+                              : std::nullopt;
+  const auto link = pick_near(picker_, posed(), picture_.camera, width(), height(), pixels(place),
+                              [this](int one) { return is_posable(one); });
+  if (handle && (!link || handle->distance_px <= link->distance_px)) return {.handle = handle->handle};
+  return link ? Grabbed{.link = link->hit} : Grabbed{};
 }
 
 std::optional<Gizmo> RobotView::gizmo() const {
@@ -50,9 +82,7 @@ std::optional<Gizmo> RobotView::gizmo() const {
 std::optional<Handle> RobotView::gizmo_handle_at(const QPointF& place) const {
   const auto handles = gizmo();
   if (!handles) return std::nullopt;
-  const auto hit = picker_.pick(posed(), ray_through(picture_.camera, width(), height(), pixels(place)));
-  return pick_handle(*handles, picture_.camera, width(), height(), pixels(place),
-                     hit ? hit->distance_m : std::numeric_limits<double>::infinity());
+  return pick_handle(*handles, picture_.camera, width(), height(), pixels(place), surface_m(place));
 }
 
 // During a drag, the rings make room for what is dragged.
@@ -121,11 +151,9 @@ void RobotView::hover(const QPointF& place) {
   const int link = hit ? hit->link : -1;
   if (std::exchange(hovered_, link) != link) Q_EMIT hovered(link);
   name_marks(place);
-  const auto handle = gizmo_handle_at(place);
-  if (std::exchange(gizmo_handle_, handle) != handle) update();
-  if (handle) return;
-  const auto posable = posable_at(place);
-  if (posable && std::exchange(gizmo_link_, posable->link) != posable->link) update();
+  const Grabbed grabbed = grabbed_at(place);
+  if (std::exchange(gizmo_handle_, grabbed.handle) != grabbed.handle) update();
+  if (grabbed.link && std::exchange(gizmo_link_, grabbed.link->link) != grabbed.link->link) update();
 }
 
 bool RobotView::begin_pose_drag(const QMouseEvent& event) {
@@ -133,8 +161,9 @@ bool RobotView::begin_pose_drag(const QMouseEvent& event) {
   const bool rotates = event.modifiers() == (Qt::ControlModifier | Qt::ShiftModifier);
   if (event.modifiers() != Qt::NoModifier && !rotates) return false;
   PoseGrab grab{.rotates = rotates};
-  if (!rotates) grab.handle = gizmo_handle_at(event.position());
-  const auto hit = grab.handle ? std::nullopt : posable_at(event.position());
+  const Grabbed grabbed = grabbed_at(event.position(), !rotates);
+  grab.handle = grabbed.handle;
+  const std::optional<Hit>& hit = grabbed.link;
   if (!grab.handle && !hit) return false;
   if (hit) gizmo_link_ = hit->link;
   const view::Pose& pose = posed()[static_cast<std::size_t>(gizmo_link_)];
@@ -172,7 +201,7 @@ void RobotView::mousePressEvent(QMouseEvent* event) {
   const bool control = event->modifiers().testFlag(Qt::ControlModifier);
   if (begin_pose_drag(*event)) return;
   if (event->button() == Qt::LeftButton && control) {
-    const auto hit = pushable_ ? link_at(event->position()) : std::nullopt;
+    const auto hit = pushable_ ? link_near(event->position()) : std::nullopt;
     if (!hit) return;
     push_ = {*hit};
     drag_ = Drag::kPush;
@@ -196,9 +225,11 @@ void RobotView::mouseMoveEvent(QMouseEvent* event) {
       break;
     case Drag::kOrbit:
       orbit(picture_.camera, step, height());
+      raise_above(picture_.camera, scene_.planes);
       break;
     case Drag::kPan:
       pan(picture_.camera, step, height());
+      lift_above(picture_.camera, scene_.planes);
       break;
     case Drag::kPush: {
       const Eigen::Vector3d drag_m = displacement_W_m(picture_.camera, height(), point_W_m(push_->hit),
@@ -228,6 +259,7 @@ void RobotView::mouseReleaseEvent(QMouseEvent* event) {
 void RobotView::mouseDoubleClickEvent(QMouseEvent* event) {
   if (const auto hit = link_at(event->position())) {
     picture_.camera.target_W_m = point_W_m(*hit);
+    raise_above(picture_.camera, scene_.planes);
     update();
   } else {
     look_at_robot();
@@ -238,6 +270,7 @@ void RobotView::wheelEvent(QWheelEvent* event) {
   constexpr double kPerNotch = 1.15;
   constexpr double kUnitsPerNotch = 120.0;  // QWheelEvent::angleDelta
   zoom(picture_.camera, std::pow(kPerNotch, event->angleDelta().y() / kUnitsPerNotch));
+  raise_above(picture_.camera, scene_.planes);
   redraw_moving();
 }
 
@@ -261,6 +294,7 @@ void RobotView::keyPressEvent(QKeyEvent* event) {
       return QWidget::keyPressEvent(event);
   }
   orbit(picture_.camera, turn, height());
+  raise_above(picture_.camera, scene_.planes);
   redraw_moving();
 }
 

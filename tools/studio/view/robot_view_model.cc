@@ -30,7 +30,7 @@ void RobotView::set_inertias(bool inertias) {
 // Where a mouse button that began a drag is released: a click chooses the link.
 void RobotView::pick(const QPointF& place) {
   if ((place - drag_start_).manhattanLength() >= QApplication::startDragDistance()) return;
-  if (const auto hit = link_at(place)) Q_EMIT picked(hit->link);
+  if (const auto hit = link_near(place)) Q_EMIT picked(hit->link);
 }
 
 }  // namespace koboshi::studio

@@ -107,6 +107,7 @@ void MainWindow::connect_view() {
     if (marks_) marks_->follow(first_sample);
   });
   connect(run_, &RunController::cursor_moved, this, &MainWindow::show_cursor);
+  connect(run_, &RunController::rewound, this, [this] { show_marks(); });
   connect(run_, &RunController::failed, messages_, &MessageBar::show_message);
   connect(view_, &RobotView::failed, messages_, &MessageBar::show_message);
   connect(view_, &RobotView::push_requested, this, &MainWindow::push);

@@ -39,6 +39,9 @@ class MainWindow final : public QMainWindow {
   // the message bar.
   void open(const std::filesystem::path& file);
 
+  // Scenarios that are opened from now on have the robot of the constructor instead of their own.
+  void use_robot_in_scenarios() { run_->set_robot_of_scenarios(robot_file_); }
+
   // Follows a robot on a CAN bus, named as for sim::open_transport.
   void attach(const std::string& transport, const sim::TransportOptions& options = {});
 

@@ -5,12 +5,14 @@
 #include <QMenuBar>
 #include <QSettings>
 #include <QStatusBar>
+#include <algorithm>
 #include <array>
 #include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "sim_board/board/sim_board.h"
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/window/command_search.h"
 #include "tools/studio/window/main_window.h"
@@ -21,22 +23,15 @@
 #include "tools/studio/window/theme.h"
 #include "tools/studio/window/transport_bar.h"
 #include "tools/teleop/key.h"
+#include "tools/view/render/looks.h"
 
 namespace koboshi::studio {
 namespace {
 
-// Directions from which to look at the robot, as in `koboshi render --view`.
-struct NamedView {
-  const char* name;
-  Qt::Key key;
-  double azimuth_deg;
-  double elevation_deg;
-};
-constexpr std::array<NamedView, 4> kViews{
-    {{QT_TRANSLATE_NOOP("MainWindow", "From the front"), Qt::Key_1, 0.0, 6.0},
-     {QT_TRANSLATE_NOOP("MainWindow", "From the left"), Qt::Key_2, 90.0, 6.0},
-     {QT_TRANSLATE_NOOP("MainWindow", "From above"), Qt::Key_3, 180.0, 90.0},
-     {QT_TRANSLATE_NOOP("MainWindow", "Diagonally"), Qt::Key_4, 50.0, 14.0}}};
+// The texts of view::kNamedViews.
+constexpr std::array<const char*, view::kNamedViews.size()> kViewTexts{
+    QT_TRANSLATE_NOOP("MainWindow", "From the front"), QT_TRANSLATE_NOOP("MainWindow", "From the left"),
+    QT_TRANSLATE_NOOP("MainWindow", "From above"), QT_TRANSLATE_NOOP("MainWindow", "Diagonally")};
 
 // The texts of Overlay that belong to the world; time, events and legend have panels of their own.
 struct OverlayText {
@@ -74,14 +69,17 @@ constexpr std::array<KeyText, 15> kKeyTexts{
      {tools::Key::kEmergencyStop, QT_TRANSLATE_NOOP("Key", "Emergency stop")},
      {tools::Key::kReset, QT_TRANSLATE_NOOP("Key", "Reset")}}};
 
-// The key on the keyboard, named as Qt does.
+// A key that a browser names, as Qt names it.
+QString key_name(std::string_view browser_key) {
+  if (browser_key == " ") return QStringLiteral("Space");
+  const QString name = QString::fromUtf8(browser_key.data(), static_cast<qsizetype>(browser_key.size()));
+  if (name.size() == 1 && name.front().isUpper()) return QStringLiteral("Shift+") + name;
+  return name.startsWith(QLatin1String("Arrow")) ? name.sliced(5) : name;
+}
+
 QString key_name(tools::Key key) {
-  for (const tools::KeyHelp& help : tools::key_help()) {
-    if (help.name != tools::name_of(key)) continue;
-    const std::string& name = help.browser_keys.front();
-    if (name == " ") return QStringLiteral("Space");
-    return QString::fromStdString(name.starts_with("Arrow") ? name.substr(5) : name);
-  }
+  for (const tools::KeyHelp& help : tools::key_help())
+    if (help.name == tools::name_of(key)) return key_name(help.browser_keys.front());
   return {};
 }
 
@@ -126,6 +124,9 @@ void MainWindow::make_menus() {
 void MainWindow::make_run_menu() {
   QMenu* run = menuBar()->addMenu(tr("&Run"));
   run->addActions(findChild<TransportBar*>()->actions());
+  add_action(*run, tr("Back &one control tick (10 ms)"), Qt::Key_Comma, [this] {
+    run_->set_cursor(run_->cursor_us() - std::min(run_->cursor_us(), sim::SimBoard::kTick_us));
+  });
   add_action(*run, tr("Start &again with seed and stepper"), QKeySequence(tr("Ctrl+Shift+R")),
              [this] { panels_->operator_panel().restart(); });
   add_action(*run, tr("To the &beginning"), Qt::Key_Home, [this] { run_->set_cursor(0); });
@@ -148,14 +149,16 @@ void MainWindow::make_robot_menu() {
 
 void MainWindow::make_view_menu() {
   QMenu* menu = menuBar()->addMenu(tr("&View"));
-  for (const NamedView& named : kViews) {
-    add_action(*menu, tr_view(named.name), QKeySequence(named.key), [this, &named] {
+  for (std::size_t i = 0; i < kViewTexts.size(); ++i) {
+    const view::NamedView& named = view::kNamedViews[i];
+    add_action(*menu, tr_view(kViewTexts[i]), QKeySequence(QString(QLatin1Char(named.key))), [this, &named] {
       constexpr double kRad = std::numbers::pi / 180.0;  // per degree
       view_->look_from(kRad * named.azimuth_deg, kRad * named.elevation_deg);
     });
   }
   add_action(*menu, tr("Look at the &robot"), Qt::Key_F, [this] { view_->look_at_robot(); });
   QAction* follow = add_action(*menu, tr("&Follow the robot"), QKeySequence(tr("Ctrl+F")), {});
+  follow->setShortcuts({follow->shortcut(), QKeySequence(tr("Shift+F"))});  // Shift+F: as in the replay page
   follow->setCheckable(true);
   follow->setChecked(true);
   connect(follow, &QAction::toggled, view_, &RobotView::set_follow);

@@ -152,6 +152,7 @@ void Panels::connect_run() {
   connect(&run_, &RunController::overview_read, this, &Panels::show_overview);
   connect(&run_, &RunController::rewound, this, [this](std::uint64_t time_us) {
     plots_->truncate_after(time_us);
+    can_->reset_frames();
     objects_->forget_requests();
   });
   connect(&run_, &RunController::answered, objects_, &ObjectPanel::take_answer);

@@ -58,10 +58,12 @@ void RunController::open(const std::filesystem::path& file, std::function<Opened
 void RunController::open_scenario(const std::filesystem::path& file,
                                   std::span<const sim::Override> overrides) {
   robot_file_.clear();
+  std::vector<sim::Override> all(overrides.begin(), overrides.end());
+  if (!robot_of_scenarios_.empty() && std::ranges::find(all, "robot", &sim::Override::path) == all.end())
+    all.push_back({"robot", robot_of_scenarios_.string(), "--robot"});
   open(file,
-       [file, prepare = preparation_ ? preparation_() : Preparation(),
-        overrides = std::vector<sim::Override>(overrides.begin(), overrides.end())]() -> Opened {
-         sim::Scenario scenario = sim::read_scenario(file, overrides);
+       [file, prepare = preparation_ ? preparation_() : Preparation(), all = std::move(all)]() -> Opened {
+         sim::Scenario scenario = sim::read_scenario(file, all);
          if (prepare) prepare(scenario);
          return {std::make_unique<Session>(scenario), {}};
        });
@@ -236,12 +238,14 @@ void RunController::read_recording_on() {
 void RunController::take_batch(Batch batch) {
   const std::uint64_t end_before_us = end_us();
   const std::optional<Rewind> rewind = batch.rewound;
+  const bool has_events = batch.events.has_value();
   const std::vector<sim::ObjectAnswer> answers = std::move(batch.answers);
   append(std::move(batch), recording_);
   if (rewind) Q_EMIT rewound(rewind->time_us);
   const std::uint64_t known_us = rewind ? std::min(end_before_us, rewind->time_us) : end_before_us;
   const auto first = std::ranges::upper_bound(recording_.samples, known_us, {}, &view::Sample::time_us);
-  if (first != recording_.samples.end() || rewind)
+  // The events of a run may change without a sample, such as after a rewind of a run that stays paused.
+  if (first != recording_.samples.end() || rewind || has_events)
     Q_EMIT grown(static_cast<std::size_t>(first - recording_.samples.begin()));
   if (follow_ && cursor_us_ != end_us()) {
     cursor_us_ = end_us();

@@ -61,6 +61,10 @@ class RunController final : public QObject {
   // in another thread, before it is compiled.
   using Preparation = std::function<void(sim::Scenario&)>;
   void set_preparation(std::function<Preparation()> provider) { preparation_ = std::move(provider); }
+  // Every scenario that is opened from now on has the robot of this file instead of its own.
+  void set_robot_of_scenarios(const std::filesystem::path& robot) {
+    robot_of_scenarios_ = std::filesystem::absolute(robot);
+  }
   // Opens the scenario again with these overrides, and with the robot of set_robot().
   void reopen(std::span<const sim::Override> overrides);
   // The file of the robot with which the scenario opens again, until another file is opened; empty: its own.
@@ -151,7 +155,8 @@ class RunController final : public QObject {
   std::uint64_t pace_start_us_ = 0;
   double pace_ = 0.0;
   std::filesystem::path robot_file_;  // of set_robot()
-  std::uint64_t request_ = 0;         // the last file asked for: an earlier one that comes late is dropped
+  std::filesystem::path robot_of_scenarios_;
+  std::uint64_t request_ = 0;  // the last file asked for: an earlier one that comes late is dropped
 };
 
 }  // namespace koboshi::studio

@@ -14,6 +14,7 @@
 #include <array>
 #include <utility>
 
+#include "tools/studio/widgets/jump_slider.h"
 #include "tools/studio/window/run_controller.h"
 
 namespace koboshi::studio {
@@ -69,7 +70,7 @@ TransportBar::TransportBar(RunController& run, QWidget* parent)
     : QToolBar(tr("Transport"), parent),
       run_(run),
       speed_(new QComboBox(this)),
-      slider_(new QSlider(Qt::Horizontal, this)),
+      slider_(new JumpSlider(Qt::Horizontal, this)),
       time_(new QLabel(this)) {
   setObjectName(QStringLiteral("transport_bar"));
   play_ = addAction(tr("Start"));

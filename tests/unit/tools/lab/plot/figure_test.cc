@@ -200,6 +200,18 @@ TEST(GnuplotScript, KeepsLabelsBelowTheTitle) {
   for (const double height : heights) EXPECT_GT(height * kPage_px, kTitleEnd_px);
 }
 
+// A heading that passes 180 degrees, and a quantity that is no angle.
+TEST(GnuplotScript, DrawsAnglesWithoutTheJumpOfATurn) {
+  const double pi = std::numbers::pi;
+  const Columns columns{{"time_s", {0.0, 1.0, 2.0, 3.0, 4.0}},
+                        {"yaw_rad", {3.0, 3.1, 3.2 - 2.0 * pi, std::nan(""), 3.3 - 2.0 * pi}},
+                        {"yaw_N", {3.0, 3.1, -3.0, 0.0, -3.0}}};
+  const Figure figure{.panels = {{.series = {{.column = "yaw_rad", .factor = 100.0}, {.column = "yaw_N"}}}}};
+  const std::string script = gnuplot_script(figure, columns);
+  EXPECT_NE(script.find("0 300\n1 310\n2 320\n3 NaN\n4 330\n"), std::string::npos) << script;
+  EXPECT_NE(script.find("0 3\n1 3.1\n2 -3\n"), std::string::npos) << script;
+}
+
 TEST(GnuplotScript, OmitsValuesBeforeTheirStart) {
   Figure figure{.panels = {{.series = {{.column = "y", .from_x = 1.0}}}}};
   const Columns columns{{"time_s", {0.0, 1.0, 2.0, 3.0}}, {"y", {-900.0, 2.0, 3.0, 2.0}}};
