@@ -1,6 +1,7 @@
 #include "sim_board/scenario/object_access.h"
 
 #include <algorithm>
+#include <span>
 
 #include "firmware/canopen/sdo/protocol.h"
 #include "sim_board/drive/pc_sdo.h"
@@ -32,10 +33,14 @@ void ObjectAccess::begin(std::uint64_t now_us) {
   active_ = std::move(waiting_.front());
   waiting_.pop_front();
   read_.clear();
+  written_ = 0;
   toggle_ = 0;
   segmented_ = false;
   const std::size_t size = active_->data.size();
-  if (size > 4) return end(AbortCode::kLengthTooHigh, now_us);
+  if (size > 4)
+    return send(sdo::message(sdo::kInitiateDownloadRequest | sdo::kSizeIndicated, active_->address,
+                             static_cast<std::uint32_t>(size)),
+                now_us);
   std::uint32_t value = 0;
   for (std::size_t i = 0; i < size; ++i) value |= std::uint32_t{active_->data[i]} << (8 * i);
   send(size == 0 ? sdo::message(sdo::kInitiateUploadRequest, active_->address, 0)
@@ -44,7 +49,8 @@ void ObjectAccess::begin(std::uint64_t now_us) {
 }
 
 void ObjectAccess::send(const Data& data, std::uint64_t now_us) {
-  deadline_us_ = now_us + timeout_us_;
+  const bool stores = active_->data.size() > 4;
+  deadline_us_ = now_us + (stores ? std::max(timeout_us_, kStoreTimeout_us) : timeout_us_);
   // Without room for the frame, the node does not answer either.
   static_cast<void>(
       sink_.send({.identifier = request_identifier(active_->node_id), .size = 8, .data = data}));
@@ -57,7 +63,7 @@ bool ObjectAccess::on_frame(const hal::CanFrame& frame, std::uint64_t time_us) {
   if (frame.data[0] == sdo::kAbort) {
     end(static_cast<AbortCode>(sdo::data_of(frame.data)), time_us);
   } else if (segmented_) {
-    accept_segment(frame.data, time_us);
+    active_->data.empty() ? accept_segment(frame.data, time_us) : accept_written(frame.data, time_us);
   } else {
     accept(frame.data, time_us);
   }
@@ -70,7 +76,10 @@ void ObjectAccess::accept(const Data& answer, std::uint64_t time_us) {
   if (specifier != (reads ? sdo::kInitiateUploadResponse : sdo::kInitiateDownloadResponse))
     return abort(AbortCode::kCommandSpecifierUnknown, time_us);
   if (sdo::address_of(answer) != active_->address) return abort(AbortCode::kGeneralError, time_us);
-  if (!reads) return end(AbortCode::kNone, time_us);
+  if (!reads) {
+    segmented_ = active_->data.size() > 4;
+    return segmented_ ? send_segment(time_us) : end(AbortCode::kNone, time_us);
+  }
   if (!sdo::is_expedited(answer[0], sdo::kInitiateUploadResponse)) {
     segmented_ = true;
     return request_segment(time_us);
@@ -84,6 +93,27 @@ void ObjectAccess::request_segment(std::uint64_t now_us) {
   Data request{};
   request[0] = static_cast<std::uint8_t>(sdo::kUploadSegmentRequest | toggle_);
   send(request, now_us);
+}
+
+void ObjectAccess::send_segment(std::uint64_t now_us) {
+  const std::span rest = std::span(active_->data).subspan(written_);
+  const std::size_t count = std::min(rest.size(), sdo::kSegmentBytes);
+  Data request{};
+  request[0] =
+      static_cast<std::uint8_t>(sdo::kDownloadSegmentRequest | toggle_ | (sdo::kSegmentBytes - count) << 1 |
+                                (count == rest.size() ? sdo::kLastSegment : 0));
+  std::ranges::copy(rest.first(count), request.begin() + 1);
+  written_ += count;
+  send(request, now_us);
+}
+
+void ObjectAccess::accept_written(const Data& answer, std::uint64_t time_us) {
+  if ((answer[0] & sdo::kSpecifierMask) != sdo::kDownloadSegmentResponse)
+    return abort(AbortCode::kCommandSpecifierUnknown, time_us);
+  if ((answer[0] & sdo::kToggle) != toggle_) return abort(AbortCode::kToggleBitNotAlternated, time_us);
+  if (written_ == active_->data.size()) return end(AbortCode::kNone, time_us);
+  toggle_ ^= sdo::kToggle;
+  send_segment(time_us);
 }
 
 void ObjectAccess::accept_segment(const Data& answer, std::uint64_t time_us) {

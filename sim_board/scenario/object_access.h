@@ -20,7 +20,7 @@ struct ObjectRequest {
   std::uint64_t number = 0;  // chosen by the asker; the answer has the same
   std::uint8_t node_id = 0;  // 1..127
   canopen::ObjectAddress address{};
-  std::vector<std::uint8_t> data{};  // 1 to 4 bytes to write, little-endian; empty: read
+  std::vector<std::uint8_t> data{};  // to write, numbers little-endian; empty: read
 };
 
 struct ObjectAnswer {
@@ -38,12 +38,15 @@ struct ObjectAnswer {
 };
 
 // Accesses objects of any node by SDO (CiA 301, 7.2.4), one after the other, without waiting: reads of up to
-// 4 KiB, expedited or by segments, and expedited writes. It uses a drive's second channel, which is there for
-// the PC, and the default channel of every other node.
+// 4 KiB and writes of any size, expedited or by segments. It uses a drive's second channel, which is there
+// for the PC, and the default channel of every other node.
 class ObjectAccess {
  public:
   // Of each message. Set by hand (2026-11-24): ten control cycles, as canopen::SdoClient.
   static constexpr std::uint64_t kTimeout_us = 100'000;
+  // Of each message of a write by segments, before which the node may have to erase flash: that of
+  // tools::SdoTransfer.
+  static constexpr std::uint64_t kStoreTimeout_us = 1'000'000;
   static constexpr std::size_t kMaxBytes = 4096;
 
   // The sink must outlive this. A bus that other processes serve needs a longer time-out.
@@ -62,7 +65,7 @@ class ObjectAccess {
   [[nodiscard]] std::vector<ObjectAnswer> take_answers() { return std::exchange(answers_, {}); }
 
   void archive(StateArchive& archive) {
-    archive(waiting_, active_, answers_, read_, toggle_, segmented_, deadline_us_);
+    archive(waiting_, active_, answers_, read_, written_, toggle_, segmented_, deadline_us_);
   }
 
  private:
@@ -71,7 +74,9 @@ class ObjectAccess {
   void begin(std::uint64_t now_us);
   void send(const Data& data, std::uint64_t now_us);
   void request_segment(std::uint64_t now_us);
+  void send_segment(std::uint64_t now_us);
   void accept(const Data& answer, std::uint64_t time_us);
+  void accept_written(const Data& answer, std::uint64_t time_us);
   void accept_segment(const Data& answer, std::uint64_t time_us);
   void abort(canopen::AbortCode code, std::uint64_t time_us);
   void end(canopen::AbortCode code, std::uint64_t time_us);
@@ -82,6 +87,7 @@ class ObjectAccess {
   std::optional<ObjectRequest> active_;
   std::vector<ObjectAnswer> answers_;
   std::vector<std::uint8_t> read_;  // bytes of the read under way
+  std::size_t written_ = 0;         // bytes of the write under way that were sent
   std::uint8_t toggle_ = 0;
   bool segmented_ = false;
   std::uint64_t deadline_us_ = 0;

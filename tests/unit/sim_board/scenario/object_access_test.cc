@@ -81,6 +81,31 @@ TEST_F(ObjectAccessTest, ReadsATextBySegments) {
   EXPECT_EQ(std::string(answers[0].data.begin(), answers[0].data.end()), "Koboshi 1");
 }
 
+// CiA 301, 7.2.4.3.3 and 7.2.4.3.4: size in the initiation, segments of seven bytes with a toggle bit.
+TEST_F(ObjectAccessTest, WritesAnImageBySegments) {
+  constexpr canopen::ObjectAddress kImage{0x2400, 4};
+  access.request(
+      {.number = 1, .node_id = kController, .address = kImage, .data = {1, 2, 3, 4, 5, 6, 7, 8, 9}});
+  access.process(0);
+  ASSERT_EQ(sent.frames.size(), 1U);
+  EXPECT_EQ(sent.frames[0].data, (sdo::Data{0x21, 0x00, 0x24, 0x04, 9, 0, 0, 0}));
+  access.on_frame(answer(0x581, sdo::message(sdo::kInitiateDownloadResponse, kImage, 0)), 1);
+  ASSERT_EQ(sent.frames.size(), 2U);
+  EXPECT_EQ(sent.frames[1].data, (sdo::Data{0x00, 1, 2, 3, 4, 5, 6, 7}));
+  access.on_frame(answer(0x581, {0x20}), 2);
+  ASSERT_EQ(sent.frames.size(), 3U);
+  EXPECT_EQ(sent.frames[2].data, (sdo::Data{0x10 | (5 << 1) | 1, 8, 9, 0, 0, 0, 0, 0}));
+  EXPECT_TRUE(access.busy());
+  access.on_frame(answer(0x581, {0x30}), 3);
+  EXPECT_EQ(access.take_answers().at(0).abort, AbortCode::kNone);
+  // A toggle bit that has not alternated ends the transfer.
+  access.request({.number = 2, .node_id = kController, .address = kImage, .data = {1, 2, 3, 4, 5}});
+  access.process(4);
+  access.on_frame(answer(0x581, sdo::message(sdo::kInitiateDownloadResponse, kImage, 0)), 5);
+  access.on_frame(answer(0x581, {0x30}), 6);
+  EXPECT_EQ(access.take_answers().at(0).abort, AbortCode::kToggleBitNotAlternated);
+}
+
 TEST_F(ObjectAccessTest, EndsWithTheNodesAbort) {
   access.request({.number = 1, .node_id = kController, .address = kObject});
   access.process(0);
