@@ -1,6 +1,7 @@
 #include "tools/studio/document/motion_document.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "sim_board/input/error.h"
@@ -17,12 +18,23 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxName = 24;
 constexpr double kStandTime_s = 1.5;
 
-std::string new_motion(const MotionRobot& robot, const std::string& name) {
-  const bool fits = !name.empty() && name.size() <= kMaxName &&
-                    std::ranges::all_of(name, [](char letter) { return letter >= ' ' && letter <= '~'; });
-  if (!fits)
-    throw sim::InputError(name, 0, "the name '" + sim::one_line(name) + "'",
+bool is_printable(char letter) { return letter >= ' ' && letter <= '~'; }
+
+void check_name(const std::string& name, const fs::path& file, int line) {
+  if (name.empty() || name.size() > kMaxName || !std::ranges::all_of(name, is_printable))
+    throw sim::InputError(file, line, "the name '" + sim::one_line(name) + "'",
                           "1 to 24 printable ASCII letters");
+}
+
+// The name of a motion in this file, as far as it can have that name.
+std::string name_of_file(const fs::path& file) {
+  std::string name = file.stem().string().substr(0, kMaxName);
+  std::ranges::replace_if(name, std::not_fn(is_printable), '_');
+  return name;
+}
+
+std::string new_motion(const MotionRobot& robot, const std::string& name) {
+  check_name(name, name, 0);
   const auto all = static_cast<std::uint32_t>((std::uint64_t{1} << robot.model.joint_names.size()) - 1);
   return "version: 2\nrobot: " + yaml_scalar(robot.model.robot) + "\nname: " + yaml_scalar(name) +
          "\nposes:\n  stand: " + pose_text(robot, robot.standing_rad, all, name) +
@@ -169,10 +181,30 @@ void MotionDocument::replace_text(std::string text, std::string_view drag) {
 
 void MotionDocument::upgrade() { replace(tools::upgrade_motion(source_name(), text_), "Upgrade"); }
 
+std::string MotionDocument::name() const {
+  const sim::YamlNode* name = tree() != nullptr ? tree()->find("name") : nullptr;
+  return name != nullptr ? name->scalar : std::string();
+}
+
+void MotionDocument::set_name(const std::string& name) {
+  const sim::YamlNode* present = yaml().tree().find("name");
+  check_name(name, source_name(), present != nullptr ? present->line : 0);
+  if (name == this->name()) return;
+  edit("Rename the motion", {},
+       [&](tools::YamlDocument& yaml) { yaml.set(tools::YamlPath({"name"}), yaml_scalar(name)); });
+}
+
+void MotionDocument::follow_name_of(const fs::path& file) {
+  const std::string present = name();
+  if (present == kNewName || (!this->file().empty() && present == name_of_file(this->file())))
+    set_name(name_of_file(file));
+}
+
 // Messages name the new file.
 void MotionDocument::save_as(const fs::path& file) {
   const fs::path absolute = fs::absolute(file);
   const bool is_other = absolute != this->file();
+  if (is_other) follow_name_of(absolute);
   write_to(absolute);
   if (!is_other) return;
   yaml_.reset();

@@ -60,6 +60,7 @@ class MotionDocument final : public TextDocument {
   MotionDocument(std::shared_ptr<const MotionRobot> robot, const std::filesystem::path& file,
                  std::filesystem::path recovery_folder = {});
   // Begins a motion that moves to the standing pose. `name`: 1 to 24 printable ASCII letters.
+  static constexpr const char* kNewName = "untitled";
   [[nodiscard]] static std::unique_ptr<MotionDocument> begin(std::shared_ptr<const MotionRobot> robot,
                                                              const std::string& name,
                                                              std::filesystem::path recovery_folder = {});
@@ -78,6 +79,11 @@ class MotionDocument final : public TextDocument {
   const simulation::CompiledMotion* compiled() const;  // nullptr: errors
   const std::vector<simulation::Diagnostic>& diagnostics() const { return diagnostics_; }
   const MotionRows& rows() const { return rows_; }  // empty: no YAML
+  // The name under which a controller lists the motion; empty: the text has none.
+  std::string name() const;
+
+  // Changes the name: 1 to 24 printable ASCII letters.
+  void set_name(const std::string& name);
 
   // Poses. Angles are rounded to 0.01 degrees within the joint's limits.
   void set_angles(std::size_t row, std::span<const JointAngle> angles, PoseScope scope,
@@ -131,6 +137,8 @@ class MotionDocument final : public TextDocument {
   // Converts a file of version 1 to version 2.
   void upgrade();
 
+  // Saves to another file. A motion that still has the name of a new one, or that of its file so far, gets
+  // the name of the file, without its extension, as part of the change.
   void save_as(const std::filesystem::path& file);
   // As Autosave.
   bool autosave(std::int64_t now_unix_s) { return autosave_.write(*this, now_unix_s); }
@@ -156,6 +164,7 @@ class MotionDocument final : public TextDocument {
   // The name of the file in messages.
   std::filesystem::path source_name() const;
   const MotionRow& row(std::size_t row) const;
+  void follow_name_of(const std::filesystem::path& file);
   void require_version_2(const std::string& construct) const;
 
   // Index in the list of steps with this path.

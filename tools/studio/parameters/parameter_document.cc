@@ -121,6 +121,11 @@ void ParameterDocument::reset_to_default(std::size_t index) {
 
 void ParameterDocument::reset_all_to_file() { replace(saved_.text(), "Reset all"); }
 
+void ParameterDocument::replace_text(const std::string& text) {
+  check(text);
+  replace(text, "Restore");
+}
+
 // --- Use
 
 sim::RobotParameters ParameterDocument::robot_parameters() const {

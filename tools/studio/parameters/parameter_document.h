@@ -59,6 +59,8 @@ class ParameterDocument final : public TextDocument {
   // Removes the key. Throws sim::InputError for one that the file must have.
   void reset_to_default(std::size_t index);
   void reset_all_to_file();
+  // Takes over the whole text, such as that of a recovery.
+  void replace_text(const std::string& text);
 
   // What the compiler says of these values on this robot: one line; empty if they are good.
   [[nodiscard]] std::string problem(const sim::RobotDescription& robot,

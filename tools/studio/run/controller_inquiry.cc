@@ -27,8 +27,8 @@ std::uint32_t unsigned_of(const std::vector<std::uint8_t>& data) {
 
 }  // namespace
 
-ControllerInquiry::ControllerInquiry() {
-  for (std::uint16_t i = 0; i < std::size(kLimits); ++i)
+ControllerInquiry::ControllerInquiry(Scope scope) : scope_(scope) {
+  for (std::uint16_t i = 0; asks_limits() && i < std::size(kLimits); ++i)
     questions_.push_back({.kind = Kind::kLimit, .number = i});
   for (std::uint16_t i = 0; i < kMasks; ++i) questions_.push_back({.kind = Kind::kMask, .number = i});
 }

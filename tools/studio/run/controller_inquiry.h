@@ -21,7 +21,10 @@ class ControllerInquiry {
   // From a failure to the next attempt. Set by hand (2026-11-25): other accesses find the channel free.
   static constexpr std::uint64_t kRetry_us = 500'000;
 
-  ControllerInquiry();
+  // kMotions: it does not ask for the limits.
+  enum class Scope : std::uint8_t { kAll, kMotions };
+  explicit ControllerInquiry(Scope scope = Scope::kAll);
+  bool asks_limits() const { return scope_ == Scope::kAll; }
 
   // Returns the requests to send now. Times never decrease.
   [[nodiscard]] std::vector<sim::ObjectRequest> due(std::uint64_t now_us);
@@ -48,6 +51,7 @@ class ControllerInquiry {
 
   void accept(const Question& question, const std::vector<std::uint8_t>& data);
 
+  const Scope scope_;
   std::vector<Question> questions_;
   std::size_t answered_ = 0;
   walk::VelocityLimits limits_;
