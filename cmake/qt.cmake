@@ -19,19 +19,26 @@ function(koboshi_qt_library name)
   koboshi_use_moc(${name})
 endfunction()
 
-# koboshi_qt_test(NAME SOURCES ... [DEPS ...]) defines a program of Qt Test, which ctest runs as one test with the label gui. The
-# source has a class with Q_OBJECT, QTEST_MAIN and, at its end, #include "FILE.moc".
+# koboshi_qt_test(NAME [WINDOW_MANAGER] SOURCES ... [DEPS ...]) defines a program of Qt Test, which ctest runs as one test with the label gui. The
+# source has a class with Q_OBJECT, QTEST_MAIN and, at its end, #include "FILE.moc". With WINDOW_MANAGER it runs under one, and
+# can press real keys with xdotool.
 function(koboshi_qt_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "WINDOW_MANAGER" "" "SOURCES;DEPS")
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE koboshi_options ${arg_DEPS} Qt6::Test Qt6::Widgets)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE KOBOSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   koboshi_use_moc(${name})
-  koboshi_command_test(gui.${name} LABEL gui NEEDS Xvfb
+  set(needs Xvfb)
+  set(environment MESA_SHADER_CACHE_DIR=${PROJECT_BINARY_DIR}/shader_cache)
+  if(arg_WINDOW_MANAGER)
+    list(APPEND needs openbox xdotool)
+    list(APPEND environment KOBOSHI_WINDOW_MANAGER=1)
+  endif()
+  koboshi_command_test(gui.${name} LABEL gui NEEDS ${needs}
     COMMAND ${PROJECT_SOURCE_DIR}/tests/support/with_display.sh $<TARGET_FILE:${name}>)
   # Mesa keeps compiled shaders, as for a user, so that not every program compiles them again.
-  set_tests_properties(gui.${name} PROPERTIES ENVIRONMENT MESA_SHADER_CACHE_DIR=${PROJECT_BINARY_DIR}/shader_cache)
+  set_tests_properties(gui.${name} PROPERTIES ENVIRONMENT "${environment}")
 endfunction()
 
 # The compiler's warnings are not for the code that moc generates, and what it includes may not be in a unity build.

@@ -76,8 +76,7 @@ class MotionPanelTest final : public PanelFixture {
     QTest::keyClick(box, Qt::Key_Return);
     std::string expected = with(original, "right_elbow: -45", "right_elbow: -50");
     COMPARE_TEXT(text(), expected);
-    // Undo in the spin box concerns the motion.
-    QTest::keyClick(box, Qt::Key_Z, Qt::ControlModifier);
+    press("undo");
     COMPARE_TEXT(text(), original);
     press("redo");
     COMPARE_TEXT(text(), expected);
@@ -105,7 +104,7 @@ class MotionPanelTest final : public PanelFixture {
     QVERIFY(!scale->isVisible());
     expected = with(expected, "wait_s: 0.5", "wait_s: 1");
     COMPARE_TEXT(text(), expected);
-    QTest::keyClick(&table(), Qt::Key_S, Qt::ControlModifier);
+    QVERIFY(panel_->save());
     QVERIFY(!panel_->modified());
     COMPARE_TEXT(text_of(file_), expected);
 
@@ -271,20 +270,45 @@ class MotionPanelTest final : public PanelFixture {
     action("upgrade")->trigger();
     QVERIFY(text().find("version: 2") != std::string::npos);
     // Changes are not dropped unasked.
-    auto* const bar = panel_->findChild<OfferBar*>(QStringLiteral("recovery"));
+    std::function<void()> go_on;
+    panel_->set_guard([&](std::function<void()> begin) { go_on = std::move(begin); });
     action("new")->trigger();
-    QVERIFY(bar->isVisible());
     QCOMPARE(panel_->file(), file_);
-    QTest::mouseClick(bar->findChild<QPushButton*>(QStringLiteral("Cancel")), Qt::LeftButton);
-    press("undo");
-    action("new")->trigger();
-    QVERIFY(!bar->isVisible());
+    QVERIFY(go_on);
+    go_on();
     QVERIFY(panel_->file().empty());
     QVERIFY(panel_->modified());
     QCOMPARE(model().rowCount(), 1);
     QVERIFY(panel_->save_as(in_folder("begun.yaml")));
     COMPARE_TEXT(text_of(in_folder("begun.yaml")), text());
     QVERIFY(!panel_->modified());
+  }
+
+  // The name under which a robot lists the motion.
+  void names_the_motion() {
+    open_copy("squat.yaml");
+    auto* const name = panel_->findChild<QLineEdit*>(QStringLiteral("motion_name"));
+    QCOMPARE(name->text(), QStringLiteral("squat"));
+    const std::string original = text();
+    name->setFocus();
+    name->selectAll();
+    QTest::keyClicks(name, QStringLiteral("deep bend"));
+    QTest::keyClick(name, Qt::Key_Return);
+    COMPARE_TEXT(text(), with(original, "name: squat", "name: deep bend"));
+    QVERIFY(panel_->save_as(in_folder("other.yaml")));
+    QCOMPARE(name->text(), QStringLiteral("deep bend"));
+    press("undo");
+    QCOMPARE(name->text(), QStringLiteral("squat"));
+    QTest::keyClicks(name, QStringLiteral("é"));
+    QTest::keyClick(name, Qt::Key_Return);
+    COMPARE_TEXT(text(), original);
+    QCOMPARE(name->text(), QStringLiteral("squat"));
+    QVERIFY(panel_->findChild<MessageLine*>()->text().contains(QStringLiteral("1 to 24 printable ASCII")));
+    action("new")->trigger();
+    QCOMPARE(name->text(), QStringLiteral("untitled"));
+    QVERIFY(panel_->save_as(in_folder("wave_both.yaml")));
+    QCOMPARE(name->text(), QStringLiteral("wave_both"));
+    QVERIFY(text_of(in_folder("wave_both.yaml")).find("name: wave_both\n") != std::string::npos);
   }
 
   void looks_right() {

@@ -202,6 +202,11 @@ class BusTest final : public QObject {
     QTRY_VERIFY_WITH_TIMEOUT(window_->messages().isVisible(), kPatience_ms);
     QVERIFY2(window_->messages().text().contains(QStringLiteral("read back the same")),
              qPrintable(window_->messages().text()));
+    QCOMPARE(window_->messages().kind(), MessageKind::kSuccess);
+    // The operator's list has it, and it is chosen.
+    auto* motions = window_->findChild<QComboBox*>(QStringLiteral("motions"));
+    QTRY_COMPARE_WITH_TIMEOUT(motions->currentText(), QStringLiteral("bow"), kPatience_ms);
+    QVERIFY(motions->findText(QStringLiteral("stand")) >= 0);
     // What only a simulation can do is refused.
     window_->run().give(sim::Push());
     QVERIFY(window_->messages().isVisible());

@@ -2,6 +2,7 @@
 
 #include <QAbstractScrollArea>
 #include <QAction>
+#include <QComboBox>
 #include <QDockWidget>
 #include <QDoubleSpinBox>
 #include <QSignalSpy>
@@ -68,6 +69,37 @@ class MotionWindowTest final : public ViewFixture {
     for (std::size_t i = 0; i < wanted.size(); ++i)
       QVERIFY2(std::abs(captured[i] - wanted[i]) < 0.003,
                qPrintable(QString::number(captured[i] - wanted[i])));
+  }
+
+  // A motion goes to the robot of the simulation, is in the operator's list, and is played.
+  void uploads_a_motion_to_the_simulation_and_plays_it() {
+    QTemporaryDir folder;
+    const std::filesystem::path file = std::filesystem::path(folder.path().toStdString()) / "my_bow.yaml";
+    window_->open(kRoot / "robots/koboshi/motions/bow.yaml");
+    QVERIFY(window_->motion().save_as(file));
+    open_scenario("go.yaml");
+    auto* motions = window_->findChild<QComboBox*>(QStringLiteral("motions"));
+    const int before = motions->count();
+    QVERIFY(before > 0);
+    run_to(1'500'000);  // limp: a robot that starts stores nothing
+    action("Upload the motion to a robot")->trigger();
+    QCOMPARE(window_->messages().kind(), MessageKind::kInformation);  // it pauses
+    QVERIFY(window_->messages().text().contains(QStringLiteral("pauses")));
+    run_to(3'800'000);
+    QTRY_COMPARE_WITH_TIMEOUT(motions->count(), before + 1, kPatience_ms);
+    QCOMPARE(motions->currentText(), QStringLiteral("my_bow"));
+    QCOMPARE(window_->messages().kind(), MessageKind::kSuccess);
+    QVERIFY2(window_->messages().text().startsWith(QStringLiteral("my_bow is motion %1").arg(before)),
+             qPrintable(window_->messages().text()));
+    QCOMPARE(window_->run().status().said.state, behaviour::State::kStanding);
+    QVERIFY(test::click(*window_, "play_motion"));
+    run_to(3'950'000);
+    QCOMPARE(window_->run().status().said.state, behaviour::State::kMotion);
+    save_picture("uploaded");
+    // A rewind takes the upload back.
+    window_->run().set_cursor(1'400'000);
+    window_->run().rewind_to_cursor();
+    QTRY_COMPARE_WITH_TIMEOUT(motions->count(), before, kPatience_ms);
   }
 
   void plays_from_the_current_step() {

@@ -14,6 +14,7 @@
 #include <QMenu>
 #include <QProcess>
 #include <QRegularExpression>
+#include <QShortcut>
 #include <QTabBar>
 #include <QTableView>
 #include <QTemporaryDir>
@@ -124,6 +125,25 @@ class TextTest final : public QObject {
     }
     QVERIFY2(without.isEmpty(), qPrintable(join(without)));
     QVERIFY(shortcuts.size() > 60);
+  }
+
+  // Qt calls neither of two shortcuts with the same keys, without a word.
+  void no_keys_are_ambiguous() {
+    QMap<QString, QString> owners;
+    const auto add = [&](const QKeySequence& keys, const QString& owner) {
+      const QString text = keys.toString();
+      if (text.isEmpty()) return;
+      QVERIFY2(!owners.contains(text), qPrintable(text + QStringLiteral(": ") + owner +
+                                                  QStringLiteral(" and ") + owners.value(text)));
+      owners.insert(text, owner);
+    };
+    for (const QAction* one : window_->findChildren<QAction*>())
+      if (qobject_cast<QLineEdit*>(one->parent()) == nullptr)
+        for (const QKeySequence& keys : one->shortcuts()) add(keys, one->text());
+    for (const QShortcut* one : window_->findChildren<QShortcut*>())
+      add(one->key(), QLatin1String(one->parent()->metaObject()->className()));
+    for (const char* keys : {"Ctrl+Z", "Ctrl+Y", "Ctrl+Shift+Z", "Ctrl+S", "Ctrl+N", "Ctrl+Q"})
+      QVERIFY2(owners.contains(QLatin1String(keys)), keys);
   }
 
   // Every action of the window is in a menu, and so in the command search.

@@ -3,24 +3,35 @@
 #include <QAbstractItemView>
 #include <QAction>
 #include <QApplication>
+#include <QClipboard>
 #include <QComboBox>
 #include <QCompleter>
 #include <QDockWidget>
 #include <QDragEnterEvent>
 #include <QDropEvent>
+#include <QLabel>
 #include <QLineEdit>
+#include <QMessageBox>
 #include <QMimeData>
 #include <QPushButton>
 #include <QSignalSpy>
 #include <QTemporaryDir>
 #include <QTest>
+#include <QTimer>
 #include <QUrl>
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
+#include <set>
+#include <vector>
 
 #include "tests/studio/window/view_fixture.h"
+#include "tools/studio/document/recovery.h"
 #include "tools/studio/motion/motion_panel.h"
+#include "tools/studio/motion/offer_bar.h"
 #include "tools/studio/window/command_search.h"
+#include "tools/studio/window/log_panel.h"
 #include "tools/studio/window/message_bar.h"
 #include "tools/studio/window/object_panel.h"
 #include "tools/studio/window/theme.h"
@@ -32,6 +43,21 @@ using test::kRoot;
 
 class WindowTest final : public ViewFixture {
   Q_OBJECT
+
+ private:
+  // WCAG 2.1, 1.4.3.
+  static double contrast(const QColor& one, const QColor& other) {
+    const auto luminance = [](const QColor& colour) {
+      const auto linear = [](double share) {
+        return share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
+      };
+      return 0.2126 * linear(static_cast<double>(colour.redF())) +
+             0.7152 * linear(static_cast<double>(colour.greenF())) +
+             0.0722 * linear(static_cast<double>(colour.blueF()));
+    };
+    const auto [dark, light] = std::minmax({luminance(one), luminance(other)});
+    return (light + 0.05) / (dark + 0.05);
+  }
 
  private Q_SLOTS:
   void init() {
@@ -74,9 +100,80 @@ class WindowTest final : public ViewFixture {
     action("New motion")->trigger();
     window_->motion().findChild<QAction*>(QStringLiteral("insert_pose"))->trigger();
     QVERIFY(window_->motion().modified());
+    const auto question = [this] { return window_->findChild<QMessageBox*>(QStringLiteral("unsaved")); };
+    for (int i = 0; i < 2; ++i) {
+      QVERIFY(!window_->close());
+      QVERIFY(question() != nullptr && question()->isVisible());
+      QCOMPARE(question()->informativeText(), QStringLiteral("Motion: untitled"));
+    }
+    question()->button(QMessageBox::Cancel)->click();
+    QTRY_VERIFY(question() == nullptr);
+    QVERIFY(window_->isVisible() && window_->motion().modified());
     QVERIFY(!window_->close());
-    QVERIFY(window_->messages().text().contains(QStringLiteral("not saved")));
-    QVERIFY(window_->close());
+    question()->button(QMessageBox::Discard)->click();
+    QTRY_VERIFY(!window_->isVisible());
+  }
+
+  // The end of the desktop's session: it may not ask any more, or waits for the answer.
+  void keeps_changes_at_the_end_of_the_session() {
+    action("New motion")->trigger();
+    window_->motion().findChild<QAction*>(QStringLiteral("insert_pose"))->trigger();
+    const std::string text = window_->motion().text();
+    QTimer::singleShot(0, window_.get(), [this] {
+      window_->findChild<QMessageBox*>(QStringLiteral("unsaved"))->button(QMessageBox::Cancel)->click();
+    });
+    QVERIFY(!window_->end_session(true));
+    QVERIFY(window_->end_session(false));
+    window_->close();
+    window_ = test::make_window();
+    auto* bar = window_->motion().findChild<OfferBar*>(QStringLiteral("recovery"));
+    QVERIFY(bar->isVisibleTo(&window_->motion()));  // at once, without a file that is opened
+    bar->findChild<QPushButton*>(QStringLiteral("Restore"))->click();
+    QVERIFY(window_->motion().text() == text);
+    QVERIFY(window_->motion().modified());
+    QVERIFY(!window_->close());
+    window_->findChild<QMessageBox*>(QStringLiteral("unsaved"))->button(QMessageBox::Discard)->click();
+    QVERIFY(find_recoveries(default_recovery_folder()).empty());
+  }
+
+  // What a message is, the sign, the word and the colours say, on both themes; the log keeps it.
+  void messages_look_like_what_they_are() {
+    MessageBar& bar = window_->messages();
+    auto* log = window_->findChild<LogPanel*>();
+    for (const Theme theme : {Theme::kLight, Theme::kDark}) {
+      apply_theme(theme);
+      std::set<QString> words;
+      std::set<QRgb> colours;
+      std::vector<QImage> icons;
+      for (const MessageKind kind :
+           {MessageKind::kSuccess, MessageKind::kInformation, MessageKind::kWarning, MessageKind::kError}) {
+        const QString text = QStringLiteral("message %1").arg(static_cast<int>(kind));
+        window_->messages().show_message(text, kind);
+        QCOMPARE(bar.text(), text);
+        const QString word = bar.findChild<QLabel*>(QStringLiteral("message_kind"))->text();
+        const QImage icon =
+            bar.findChild<QLabel*>(QStringLiteral("message_icon"))->pixmap(Qt::ReturnByValue).toImage();
+        const QColor ground = bar.grab().toImage().pixelColor(bar.width() / 2, 3);
+        words.insert(word);
+        colours.insert(ground.rgb());
+        QVERIFY(std::ranges::find(icons, icon) == icons.end());
+        icons.push_back(icon);
+        // Readable: WCAG 2.1 asks for a contrast of 4.5 between a text and its ground.
+        QVERIFY2(contrast(bar.palette().color(QPalette::WindowText), ground) > 4.5, qPrintable(word));
+        if (kind == MessageKind::kSuccess) QVERIFY(ground.green() > ground.red());
+        if (kind == MessageKind::kError) QVERIFY(ground.red() > ground.green());
+        QVERIFY(log->text().contains(word + u' ' + text));
+        if (theme == Theme::kDark)
+          test::save_picture(*window_, qPrintable(QStringLiteral("message-dark-") + word));
+        if (theme == Theme::kLight)
+          test::save_picture(*window_, qPrintable(QStringLiteral("message-light-") + word));
+      }
+      QCOMPARE(words.size(), 4U);
+      QCOMPARE(colours.size(), 4U);
+    }
+    apply_theme(Theme::kLight);
+    QTest::mouseClick(log->findChild<QPushButton*>(QStringLiteral("copy_log")), Qt::LeftButton);
+    QCOMPARE(QGuiApplication::clipboard()->text().count(u'\n'), 8);
   }
 
   void finds_and_triggers_commands() {

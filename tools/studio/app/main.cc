@@ -1,4 +1,5 @@
 #include <QApplication>
+#include <QSessionManager>
 #include <QTranslator>
 
 #include <CLI/CLI.hpp>
@@ -14,9 +15,12 @@
 #include "tools/cli/transport_options.h"
 #include "tools/run/exit_status.h"
 #include "tools/studio/window/main_window.h"
+#include "tools/studio/window/termination.h"
 #include "tools/studio/window/translation.h"
 
 namespace {
+
+constexpr int kSignalled = 128;  // and the signal's number, as a shell reports it
 
 bool is_set(const char* variable) {
   const char* value = std::getenv(variable);
@@ -83,6 +87,17 @@ int run_program(int argc, char** argv) {
   if (robot_option->count() > 0) window.use_robot_in_scenarios();
   for (const std::filesystem::path& file : files) window.open(file);
   if (!can.empty()) window.attach(can, transport);
+  // The desktop asks at the end of the session; a signal is no question.
+  QObject::connect(&application, &QGuiApplication::commitDataRequest, &window,
+                   [&window](QSessionManager& session) {
+                     const bool may_ask = session.allowsInteraction();
+                     if (!window.end_session(may_ask)) session.cancel();
+                     if (may_ask) session.release();
+                   });
+  const koboshi::studio::Termination termination([&window](int signal) {
+    window.end();
+    QApplication::exit(kSignalled + signal);
+  });
   window.show();
   return QApplication::exec();
 }

@@ -6,7 +6,6 @@
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QPushButton>
-#include <QShortcut>
 #include <QSplitter>
 #include <QToolBar>
 #include <QVBoxLayout>
@@ -15,6 +14,7 @@
 
 #include "tools/studio/model/body_tree.h"
 #include "tools/studio/model/field_view.h"
+#include "tools/studio/motion/colours.h"
 #include "tools/studio/motion/offer_bar.h"
 
 namespace koboshi::studio {
@@ -54,33 +54,24 @@ ModelPanel::ModelPanel(QWidget* parent)
 
 ModelPanel::~ModelPanel() = default;
 
-// `keys` act in the whole window. The usual keys of the same editing act on the panel that has the keyboard.
-QAction* ModelPanel::add(const char* name, const QString& text, const QString& short_text,
-                         const QKeySequence& keys, const QKeySequence& usual_keys,
+// The window has the keys of these actions: they act on the active document.
+QAction* ModelPanel::add(const char* name, const QString& text, const QString& tip,
                          std::function<void()> act) {
   auto* action = new QAction(text, this);
   action->setObjectName(QString::fromLatin1(name));
-  action->setIconText(short_text);
-  action->setShortcut(keys);
-  action->setToolTip(QStringLiteral("%1 (%2)").arg(QString(text).remove(QLatin1Char('&')),
-                                                   usual_keys.toString(QKeySequence::NativeText)));
+  action->setToolTip(tip);
   connect(action, &QAction::triggered, this, [act = std::move(act)] { act(); });
-  auto* shortcut = new QShortcut(usual_keys, this);
-  shortcut->setContext(Qt::WidgetWithChildrenShortcut);
-  connect(shortcut, &QShortcut::activated, action, &QAction::trigger);
-  addAction(action);
   tools_->addAction(action);
   return action;
 }
 
 void ModelPanel::build_actions() {
   tools_->setMovable(false);
-  undo_ = add("undo_model", tr("&Undo the last change of the robot"), tr("Undo"),
-              QKeySequence(tr("Ctrl+Alt+Shift+Z")), QKeySequence::Undo, [this] { undo(); });
-  redo_ = add("redo_model", tr("&Redo the change of the robot"), tr("Redo"),
-              QKeySequence(tr("Ctrl+Alt+Shift+Y")), Qt::CTRL | Qt::SHIFT | Qt::Key_Z, [this] { redo(); });
-  save_ = add("save_model", tr("&Save the robot"), tr("Save"), QKeySequence(tr("Ctrl+Alt+Shift+S")),
-              QKeySequence::Save, [this] { save(); });
+  undo_ = add("undo_model", tr("Undo"), tr("Takes the last change of the robot back (Ctrl+Z)"),
+              [this] { undo(); });
+  redo_ =
+      add("redo_model", tr("Redo"), tr("Makes the change of the robot again (Ctrl+Y)"), [this] { redo(); });
+  save_ = add("save_model", tr("Save"), tr("Saves the robot (Ctrl+S)"), [this] { save(); });
   both_sides_->setObjectName(QStringLiteral("both_sides"));
   both_sides_->setToolTip(tr("Changes of a left or right part also change its mirror image"));
   tools_->addSeparator();
@@ -142,8 +133,10 @@ bool ModelPanel::attempt(const std::function<void()>& edit) {
     return false;
   }
   show_message({}, false);
-  if (document_->revision() != revision) follow_document();
+  const bool is_edited = document_->revision() != revision;
+  if (is_edited) follow_document();
   Q_EMIT title_changed();
+  if (is_edited) Q_EMIT edited();
   return true;
 }
 
@@ -242,23 +235,35 @@ QString ModelPanel::message() const { return message_->text(); }
 void ModelPanel::set_both_sides(bool both) { both_sides_->setChecked(both); }
 
 void ModelPanel::show_message(const QString& text, bool is_error) {
+  if (!text.isEmpty() && text != message_->text())
+    Q_EMIT told(text, is_error ? MessageKind::kError : MessageKind::kSuccess);
   message_->setText(text);
   message_->setVisible(!text.isEmpty());
   QPalette colours = palette();
-  if (is_error) colours.setColor(QPalette::WindowText, QColor(0xD0, 0x30, 0x20));
+  if (is_error) colours.setColor(QPalette::WindowText, colours_of(colours).error);
   message_->setPalette(colours);
   message_->setContentsMargins(6, 2, 6, 2);
 }
 
 // --- The file
 
-void ModelPanel::check_disk() {
-  if (!document_) return;
+void ModelPanel::autosave() {
   try {
     document_->autosave(QDateTime::currentSecsSinceEpoch());
   } catch (const std::exception& error) {
     show_message(QString::fromUtf8(error.what()), true);
   }
+}
+
+void ModelPanel::keep_recovery() {
+  if (!modified()) return;
+  autosave();
+  document_->keep_recovery();
+}
+
+void ModelPanel::check_disk() {
+  if (!document_) return;
+  autosave();
   if (document_->changed_on_disk() != DiskChange::kChanged || offer_->isVisible()) return;
   offer_->offer(tr("Another program has changed %1.")
                     .arg(QString::fromStdString(document_->file().filename().string())),

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "tools/studio/model/model_document.h"
+#include "tools/studio/widgets/message_kind.h"
 
 class QAction;
 class QCheckBox;
@@ -45,6 +46,8 @@ class ModelPanel final : public QWidget {
   bool redo();
   // Returns false after an error, or if the file was changed by another program; the panel says which.
   bool save();
+  // Writes the recovery of unsaved changes now, which stays after the end of the program.
+  void keep_recovery();
 
   // Shows an element by its name; an unknown one changes nothing.
   void choose(const QString& element);
@@ -67,6 +70,10 @@ class ModelPanel final : public QWidget {
   void changed();
   // Whether the robot differs from its file may have changed.
   void title_changed();
+  // By the user, also by undo and redo.
+  void edited();
+  // A message that the panel shows.
+  void told(const QString& text, koboshi::studio::MessageKind kind);
   void chosen_changed(const QString& element);
   // The user wants the simulation to start again with the model as it is now.
   void start_again_requested();
@@ -74,13 +81,13 @@ class ModelPanel final : public QWidget {
  private:
   void build_actions();
   void build_layout();
-  QAction* add(const char* name, const QString& text, const QString& short_text, const QKeySequence& keys,
-               const QKeySequence& usual_keys, std::function<void()> act);
+  QAction* add(const char* name, const QString& text, const QString& tip, std::function<void()> act);
   bool attempt(const std::function<void()>& edit);
   void follow_document();
   void show_element();
   void show_effect();
   void show_message(const QString& text, bool is_error);
+  void autosave();
   void check_disk();
   void offer_recovery();
 

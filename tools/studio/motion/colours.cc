@@ -1,15 +1,12 @@
 #include "tools/studio/motion/colours.h"
 
 namespace koboshi::studio {
-namespace {
 
 QColor mixed(const QColor& one, const QColor& other, float share) {
   const auto mix = [share](float a, float b) { return a * (1.0F - share) + b * share; };
   return QColor::fromRgbF(mix(one.redF(), other.redF()), mix(one.greenF(), other.greenF()),
                           mix(one.blueF(), other.blueF()));
 }
-
-}  // namespace
 
 const QColor& Colours::of(simulation::Severity severity) const {
   if (severity == simulation::Severity::kError) return error;

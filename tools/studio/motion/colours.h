@@ -19,5 +19,7 @@ struct Colours {
 };
 
 [[nodiscard]] Colours colours_of(const QPalette& palette);
+// The first colour with this share (0..1) of the other.
+[[nodiscard]] QColor mixed(const QColor& one, const QColor& other, float share);
 
 }  // namespace koboshi::studio

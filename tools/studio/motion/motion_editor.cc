@@ -82,8 +82,8 @@ std::optional<QString> MotionEditor::set_robot(std::shared_ptr<const sim::RobotD
   return std::nullopt;
 }
 
-std::optional<QString> MotionEditor::begin(const std::string& name) {
-  return take([&] { return MotionDocument::begin(robot_, name, recovery_folder_); });
+std::optional<QString> MotionEditor::begin() {
+  return take([&] { return MotionDocument::begin(robot_, MotionDocument::kNewName, recovery_folder_); });
 }
 
 std::optional<QString> MotionEditor::restore(const Recovery& recovery) {
@@ -122,6 +122,7 @@ std::optional<QString> MotionEditor::reload() {
 
 bool MotionEditor::edit(const std::function<void(MotionDocument&)>& change) {
   if (document_ == nullptr) return false;
+  const std::uint64_t revision = document_->revision();
   try {
     change(*document_);
   } catch (const std::exception& error) {
@@ -130,6 +131,7 @@ bool MotionEditor::edit(const std::function<void(MotionDocument&)>& change) {
     return false;
   }
   after_change();
+  if (document_->revision() != revision) Q_EMIT edited();
   return true;
 }
 
@@ -212,7 +214,7 @@ std::vector<Recovery> MotionEditor::recoveries() const {
   std::vector<Recovery> found;
   if (recovery_folder_.empty()) return found;
   for (Recovery& recovery : find_recoveries(recovery_folder_)) {
-    if (recovery.original.empty() || (document_ != nullptr && recovery.original == document_->file()))
+    if (recovery.original.empty() || document_ == nullptr || recovery.original == document_->file())
       found.push_back(std::move(recovery));
   }
   std::ranges::stable_sort(found, [](const Recovery& one, const Recovery& other) {
@@ -223,7 +225,9 @@ std::vector<Recovery> MotionEditor::recoveries() const {
 }
 
 void MotionEditor::keep_recovery() {
-  if (document_ != nullptr) document_->keep_recovery();
+  if (document_ == nullptr || !document_->is_modified()) return;
+  autosave();
+  document_->keep_recovery();
 }
 
 // A program that replaces the file takes it away from the watch: the folder is watched as well.

@@ -38,7 +38,7 @@ class MotionEditor final : public QObject {
   std::optional<QString> open(const std::filesystem::path& file, const std::filesystem::path& robot_file);
   // Sets the robot for which begin() begins.
   std::optional<QString> set_robot(std::shared_ptr<const sim::RobotDescription> robot);
-  std::optional<QString> begin(const std::string& name);  // a new motion of the present robot
+  std::optional<QString> begin();  // a new motion of the present robot
   std::optional<QString> restore(const Recovery& recovery);
   // Empty: saves to the document's file.
   std::optional<QString> save(const std::filesystem::path& file = {});
@@ -63,14 +63,15 @@ class MotionEditor final : public QObject {
   const std::vector<double>& shown_s() const { return shown_s_; }
   bool is_checking() const { return check_.is_running(); }
 
-  // Recoveries that a crash has left: of the document's file, then of motions that were never saved; the
-  // newest first.
+  // Recoveries that a crash has left: of the document's file, or without a document of any file, then of
+  // motions that were never saved; the newest first.
   std::vector<Recovery> recoveries() const;
-  // Ends as a crash would: the recovery stays.
+  // Writes the recovery of unsaved changes now, which stays after the end of the program.
   void keep_recovery();
 
  Q_SIGNALS:
   void opened();   // another document
+  void edited();   // by the user, also by undo and redo
   void changed();  // the text, and the findings with it
   void saved();
   void findings_changed();  // of the same text

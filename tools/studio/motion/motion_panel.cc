@@ -43,9 +43,13 @@ MotionPanel::MotionPanel(QWidget* parent) : QWidget(parent) {
   tools_ = new QToolBar(this);
   build_actions();
   build_layout();
+  setFocusProxy(table_);
   model_->set_selection([this] { return selected(); });
 
   connect(editor_, &MotionEditor::changed, this, &MotionPanel::follow_document);
+  connect(editor_, &MotionEditor::edited, this, &MotionPanel::edited);
+  connect(editor_, &MotionEditor::failed, this,
+          [this](const QString& error) { Q_EMIT told(error, MessageKind::kError); });
   connect(editor_, &MotionEditor::saved, this, [this] {
     disk_bar_->hide();
     update_actions();
@@ -155,6 +159,7 @@ std::optional<QString> MotionPanel::open(const fs::path& motion, const fs::path&
     messages_->show_error(*error);
     return error;
   }
+  Q_EMIT edited();
   if (model_->rowCount() > 0) show_row(0);
   offer_recovery();
   return std::nullopt;
@@ -167,6 +172,7 @@ fs::path MotionPanel::file() const { return editor_->is_open() ? editor_->docume
 std::optional<QString> MotionPanel::set_robot(std::shared_ptr<const sim::RobotDescription> robot) {
   auto error = editor_->set_robot(std::move(robot));
   update_actions();
+  if (!error) offer_recovery();
   return error;
 }
 
@@ -175,18 +181,23 @@ std::string MotionPanel::text() const {
 }
 
 bool MotionPanel::report(const std::optional<QString>& error) {
-  if (error) messages_->show_error(*error);
-  return !error;
+  if (!error) return true;
+  messages_->show_error(*error);
+  Q_EMIT told(*error, MessageKind::kError);
+  return false;
 }
 
 bool MotionPanel::save() {
   if (!editor_->is_open()) return false;
+  if (file().empty()) return choose_file();
   if (const DiskChange change = editor_->document().changed_on_disk(); change == DiskChange::kChanged) {
     offer_reload(change);
     return report(tr("Not saved: another program has changed the file."));
   }
   return report(editor_->save());
 }
+
+void MotionPanel::keep_recovery() { editor_->keep_recovery(); }
 
 bool MotionPanel::save_as(const fs::path& file) { return editor_->is_open() && report(editor_->save(file)); }
 
@@ -196,16 +207,27 @@ void MotionPanel::offer_recovery() {
   const Recovery& recovery = found.front();
   const QString when =
       QDateTime::fromSecsSinceEpoch(recovery.time_unix_s).toString(QStringLiteral("yyyy-MM-dd hh:mm"));
-  const QString text = recovery.original.empty()
-                           ? tr("The editor ended without saving a new motion. Its text of %1 was kept.")
-                           : tr("The editor ended without saving this motion. Its text of %1 was kept.");
-  recovery_bar_->offer(text.arg(when), {{tr("Restore"),
-                                         [this, recovery] {
-                                           if (report(editor_->restore(recovery)) && model_->rowCount() > 0)
-                                             show_row(0);
-                                         }},
-                                        {tr("Discard"), [recovery] { discard_recovery(recovery); }},
-                                        {tr("Later"), {}}});
+  const QString text =
+      recovery.original.empty()
+          ? tr("The editor ended without saving a new motion. Its text of %1 was kept.").arg(when)
+          : tr("The editor ended without saving %1. Its text of %2 was kept.")
+                .arg(QString::fromStdString(recovery.original.filename().string()), when);
+  recovery_bar_->offer(text, {{tr("Restore"), [this, recovery] { restore(recovery); }},
+                              {tr("Discard"), [recovery] { discard_recovery(recovery); }},
+                              {tr("Later"), {}}});
+}
+
+void MotionPanel::restore(const Recovery& recovery) {
+  replace([this, recovery] {
+    if (!report(editor_->restore(recovery))) return;
+    if (model_->rowCount() > 0) show_row(0);
+    Q_EMIT edited();
+  });
+}
+
+void MotionPanel::replace(const std::function<void()>& go_on) {
+  if (guard_) return guard_(go_on);
+  go_on();
 }
 
 void MotionPanel::offer_reload(DiskChange change) {

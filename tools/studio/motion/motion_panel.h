@@ -7,13 +7,16 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/studio/motion/motion_editor.h"
+#include "tools/studio/widgets/message_kind.h"
 
 class QAction;
 class QBoxLayout;
 class QDoubleSpinBox;
+class QLineEdit;
 class QTableView;
 class QToolBar;
 
@@ -44,9 +47,20 @@ class MotionPanel final : public QWidget {
   // Edits and ways to play, with separators.
   QList<QAction*> edit_actions() const { return edit_actions_; }
   QList<QAction*> file_actions() const { return file_actions_; }
-  // Returns false after an error, or if the file was changed by another program; the panel says which.
+  // Returns false after an error, or if the file was changed by another program; the panel says which. A
+  // motion without a file is saved where the user chooses; false: nowhere.
   bool save();
   bool save_as(const std::filesystem::path& file);
+  void undo();
+  void redo();
+  // What is called before another motion takes the place of this one: it calls `go_on` unless the user wants
+  // to keep this one. Without it, there is no question.
+  using Guard = std::function<void(std::function<void()> go_on)>;
+  void set_guard(Guard guard) { guard_ = std::move(guard); }
+  // Whether the keys of the edits act wherever the window has the keyboard, or in this panel alone.
+  void set_keys_everywhere(bool everywhere);
+  // Writes the recovery now, which stays after the end of this program.
+  void keep_recovery();
   // Empty: none, or a new motion.
   std::filesystem::path file() const;
 
@@ -81,6 +95,10 @@ class MotionPanel final : public QWidget {
   // From row 0: all of the motion.
   void play_requested(bool physics, int from_row);
   void title_changed();
+  // The user has changed the motion, or begun or restored another one.
+  void edited();
+  // A message that the panel shows.
+  void told(const QString& text, koboshi::studio::MessageKind kind);
 
  protected:
   void changeEvent(QEvent* event) override;
@@ -93,6 +111,9 @@ class MotionPanel final : public QWidget {
   void show_pose();
   void show_tick(std::size_t tick);
   void offer_recovery();
+  void restore(const Recovery& recovery);
+  // Calls the guard before this function, which replaces the motion.
+  void replace(const std::function<void()>& go_on);
   void offer_reload(DiskChange change);
   bool report(const std::optional<QString>& error);
 
@@ -101,7 +122,11 @@ class MotionPanel final : public QWidget {
                       const QKeySequence& keys, const QString& tip, std::function<void()> act);
   QAction* add_edit(const char* name, const QString& text, const QKeySequence& keys, const QString& tip,
                     std::function<void()> act);
+  QAction* add_button(const char* name, const QString& text, const QString& keys, const QString& tip,
+                      std::function<void()> act);
   void add_separator(QList<QAction*>& actions);
+  void build_name();
+  void update_name();
   void build_actions();
   void build_step_actions();
   void build_time_actions();
@@ -115,12 +140,12 @@ class MotionPanel final : public QWidget {
   void edit_selected(const std::function<void(MotionDocument&, std::span<const std::size_t>)>& change);
   // Adds steps behind the selected rows and selects them.
   void add_steps(const std::function<std::size_t(MotionDocument&, const StepPlace&)>& add);
-  void undo(bool again);
   void copy();
   void paste();
   void move(int direction);
   void scale_time();
   void new_motion();
+  bool choose_file();
 
   MotionEditor* editor_;
   StepModel* model_;
@@ -134,8 +159,10 @@ class MotionPanel final : public QWidget {
   QWidget* scale_bar_ = nullptr;
   QDoubleSpinBox* scale_factor_ = nullptr;
   QToolBar* tools_;
+  QLineEdit* name_ = nullptr;
   QList<QAction*> edit_actions_;
   QList<QAction*> file_actions_;
+  Guard guard_;
 };
 
 }  // namespace koboshi::studio

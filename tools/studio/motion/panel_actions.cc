@@ -3,6 +3,8 @@
 #include <QDoubleSpinBox>
 #include <QFileDialog>
 #include <QGuiApplication>
+#include <QLabel>
+#include <QLineEdit>
 #include <QTableView>
 #include <QToolBar>
 #include <algorithm>
@@ -31,7 +33,6 @@ QAction* MotionPanel::add_action(QList<QAction*>& actions, const QString& name, 
   auto* const action = new QAction(text, this);
   action->setObjectName(name);
   action->setShortcut(keys);
-  action->setShortcutContext(Qt::WidgetWithChildrenShortcut);
   action->setToolTip(QStringLiteral("%1 (%2)").arg(tip, keys.toString(QKeySequence::NativeText)));
   action->setStatusTip(tip);
   connect(action, &QAction::triggered, this, [act = std::move(act)] { act(); });
@@ -45,19 +46,60 @@ QAction* MotionPanel::add_edit(const char* name, const QString& text, const QKey
   return add_action(edit_actions_, QString::fromLatin1(name), text, keys, tip, std::move(act));
 }
 
+// An action of the toolbar alone: the window has the key, which acts on the active document.
+QAction* MotionPanel::add_button(const char* name, const QString& text, const QString& keys,
+                                 const QString& tip, std::function<void()> act) {
+  auto* const action = new QAction(text, this);
+  action->setObjectName(QString::fromLatin1(name));
+  action->setProperty("keys", keys);
+  action->setToolTip(QStringLiteral("%1 (%2)").arg(tip, keys));
+  connect(action, &QAction::triggered, this, [act = std::move(act)] { act(); });
+  tools_->addAction(action);
+  return action;
+}
+
 void MotionPanel::add_separator(QList<QAction*>& actions) {
   auto* const line = new QAction(this);
   line->setSeparator(true);
   actions.append(line);
 }
 
+// The name under which the robot lists the motion.
+void MotionPanel::build_name() {
+  name_ = new QLineEdit(this);
+  name_->setObjectName(QStringLiteral("motion_name"));
+  name_->setAccessibleName(tr("Name of the motion"));
+  name_->setToolTip(
+      tr("Name under which a robot lists the motion: 1 to 24 printable ASCII letters.\n"
+         "A new motion gets the name of its file."));
+  constexpr int kMaxLetters = 24;
+  name_->setMaxLength(kMaxLetters);
+  name_->setFixedWidth(16 * fontMetrics().averageCharWidth() + 12);
+  connect(name_, &QLineEdit::editingFinished, this, [this] {
+    const std::string name = name_->text().toStdString();
+    name_->setModified(false);
+    if (!editor_->is_open() || editor_->document().name() == name) return;
+    editor_->edit([&](MotionDocument& document) { document.set_name(name); });
+    update_name();
+  });
+  auto* const label = new QLabel(tr("Name"), this);
+  label->setContentsMargins(6, 0, 4, 0);
+  tools_->addWidget(label);
+  tools_->addWidget(name_);
+  tools_->addSeparator();
+}
+
+void MotionPanel::update_name() {
+  name_->setEnabled(editor_->is_open() && !editor_->document().name().empty());
+  if (name_->isModified()) return;
+  name_->setText(editor_->is_open() ? QString::fromStdString(editor_->document().name()) : QString());
+}
+
 void MotionPanel::build_actions() {
-  tools_->addAction(
-      add_edit("undo", tr("&Undo"), QKeySequence::Undo, tr("Undo the last edit"), [this] { undo(false); }));
-  tools_->addAction(add_edit("redo", tr("&Redo"), Qt::CTRL | Qt::SHIFT | Qt::Key_Z,
-                             tr("Redo the edit that was undone"), [this] { undo(true); }));
-  add_separator(edit_actions_);
-  tools_->addAction(edit_actions_.back());
+  build_name();
+  add_button("undo", tr("&Undo"), tr("Ctrl+Z"), tr("Undo the last edit"), [this] { undo(); });
+  add_button("redo", tr("&Redo"), tr("Ctrl+Y"), tr("Redo the edit that was undone"), [this] { redo(); });
+  tools_->addSeparator();
   add_edit("cut", tr("Cu&t"), QKeySequence::Cut, tr("Copy the selected steps and delete them"), [this] {
     copy();
     edit_selected([](MotionDocument& document, Rows rows) { document.erase_rows(rows); });
@@ -173,20 +215,8 @@ void MotionPanel::build_file_actions() {
   QList<QAction*>& all = file_actions_;
   add_action(all, QStringLiteral("new"), tr("&New motion"), QKeySequence::New,
              tr("Begin a motion for the same robot"), [this] { new_motion(); });
-  add_action(all, QStringLiteral("save"), tr("&Save motion"), QKeySequence::Save, tr("Save the motion"),
-             [this] {
-               if (!file().empty()) {
-                 save();
-                 return;
-               }
-               findChild<QAction*>(QStringLiteral("save_as"))->trigger();
-             });
   add_action(all, QStringLiteral("save_as"), tr("Save motion &as…"), Qt::CTRL | Qt::SHIFT | Qt::Key_S,
-             tr("Save the motion in another file"), [this] {
-               const QString name = QFileDialog::getSaveFileName(
-                   this, tr("Save motion"), QString::fromStdString(file().string()), tr("Motions (*.yaml)"));
-               if (!name.isEmpty()) save_as(name.toStdString());
-             });
+             tr("Save the motion in another file"), [this] { choose_file(); });
   add_action(all, QStringLiteral("upgrade"), tr("&Upgrade to version 2"), Qt::CTRL | Qt::SHIFT | Qt::Key_U,
              tr("Convert the motion to version 2 of the language"),
              [this] { editor_->edit([](MotionDocument& document) { document.upgrade(); }); });
@@ -195,15 +225,15 @@ void MotionPanel::build_file_actions() {
 void MotionPanel::update_actions() {
   const bool is_open = editor_->is_open();
   const bool has_rows = is_open && !selected().empty();
+  update_name();
   const auto enable = [this](const char* name, bool enabled) {
     findChild<QAction*>(QString::fromLatin1(name), Qt::FindDirectChildrenOnly)->setEnabled(enabled);
   };
   for (const char* const name : {"cut", "copy", "duplicate", "delete", "rename_pose", "move_up", "move_down",
                                  "mirror", "reverse", "scale_time"})
     enable(name, has_rows);
-  for (const char* const name :
-       {"paste", "insert_pose", "insert_wait", "insert_loop", "mirror_motion", "play_preview", "play_physics",
-        "play_physics_from", "save", "save_as", "upgrade"})
+  for (const char* const name : {"paste", "insert_pose", "insert_wait", "insert_loop", "mirror_motion",
+                                 "play_preview", "play_physics", "play_physics_from", "save_as", "upgrade"})
     enable(name, is_open);
   enable("new", editor_->has_robot());
   const auto name_edit = [&](const char* name, const QString& verb, bool can, std::string_view label) {
@@ -211,8 +241,7 @@ void MotionPanel::update_actions() {
     action->setEnabled(can);
     const QString what = QString::fromUtf8(label.data(), static_cast<qsizetype>(label.size()));
     const QString tip = can ? verb + u' ' + what.left(1).toLower() + what.mid(1) : verb;
-    action->setToolTip(
-        QStringLiteral("%1 (%2)").arg(tip, action->shortcut().toString(QKeySequence::NativeText)));
+    action->setToolTip(QStringLiteral("%1 (%2)").arg(tip, action->property("keys").toString()));
   };
   name_edit("undo", tr("Undo:"), is_open && editor_->document().history().can_undo(),
             is_open ? editor_->document().history().undo_label() : "");
@@ -262,9 +291,12 @@ void MotionPanel::add_steps(const std::function<std::size_t(MotionDocument&, con
   if (after > before) select_rows(first, after - before);
 }
 
-void MotionPanel::undo(bool again) {
-  editor_->edit(
-      [&](MotionDocument& document) { static_cast<void>(again ? document.redo() : document.undo()); });
+void MotionPanel::undo() {
+  editor_->edit([](MotionDocument& document) { static_cast<void>(document.undo()); });
+}
+
+void MotionPanel::redo() {
+  editor_->edit([](MotionDocument& document) { static_cast<void>(document.redo()); });
 }
 
 void MotionPanel::copy() {
@@ -312,21 +344,29 @@ void MotionPanel::scale_time() {
 }
 
 void MotionPanel::new_motion() {
-  const auto begin = [this] {
-    if (report(editor_->begin("untitled")) && model_->rowCount() > 0) show_row(0);
-  };
-  if (!modified()) {
-    begin();
-    return;
-  }
-  QAction* const save_action = findChild<QAction*>(QStringLiteral("save"), Qt::FindDirectChildrenOnly);
-  recovery_bar_->offer(tr("This motion has changes that are not saved."), {{tr("Save"),
-                                                                            [this, save_action, begin] {
-                                                                              save_action->trigger();
-                                                                              if (!modified()) begin();
-                                                                            }},
-                                                                           {tr("Discard changes"), begin},
-                                                                           {tr("Cancel"), {}}});
+  replace([this] {
+    if (!report(editor_->begin())) return;
+    if (model_->rowCount() > 0) show_row(0);
+    Q_EMIT edited();
+  });
+}
+
+// Lets the user choose the file. Returns whether the motion is saved.
+bool MotionPanel::choose_file() {
+  const QString name = QFileDialog::getSaveFileName(
+      this, tr("Save motion"), QString::fromStdString(file().string()), tr("Motions (*.yaml)"));
+  if (name.isEmpty()) return false;
+  std::filesystem::path chosen(name.toStdString());
+  if (!chosen.has_extension()) chosen += ".yaml";
+  return save_as(chosen);
+}
+
+void MotionPanel::set_keys_everywhere(bool everywhere) {
+  const Qt::ShortcutContext context = everywhere ? Qt::WindowShortcut : Qt::WidgetWithChildrenShortcut;
+  static const QStringList always{QStringLiteral("new"), QStringLiteral("play_preview"),
+                                  QStringLiteral("play_physics"), QStringLiteral("play_physics_from")};
+  for (QAction* const action : edit_actions_ + file_actions_)
+    if (!always.contains(action->objectName())) action->setShortcutContext(context);
 }
 
 }  // namespace koboshi::studio

@@ -1,16 +1,26 @@
 #include "tools/studio/tuning/parameter_editor.h"
 
+#include <QDateTime>
 #include <algorithm>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
 namespace koboshi::studio {
+namespace {
+
+constexpr int kAutosaveInterval_ms = 5000;
+
+std::filesystem::path recovery_folder_of_parameters() { return default_recovery_folder() / "parameters"; }
+
+}  // namespace
 
 ParameterEditor::ParameterEditor(QObject* parent) : QObject(parent) {
   const auto send = [this](const sim::ObjectRequest& request) { Q_EMIT requested(request); };
   files_[kRobot].live = std::make_unique<LiveParameters>(controller_table(), send);
   files_[kGait].live = std::make_unique<LiveParameters>(gait_table(), send, 2 * LiveParameters::kFirstNumber);
+  connect(&autosave_timer_, &QTimer::timeout, this, &ParameterEditor::autosave);
+  autosave_timer_.start(kAutosaveInterval_ms);
 }
 
 // --- Files
@@ -39,12 +49,20 @@ void ParameterEditor::set_robot(const sim::RobotDescription& robot) {
 void ParameterEditor::set_gait(const std::filesystem::path& gait) {
   const ParameterDocument* present = document(kGait);
   if (present != nullptr && present->file() == std::filesystem::absolute(gait)) return;
+  if (gait.empty() && is_modified(kGait)) return;  // a run without a gait takes no work away
   open(kGait, gait);
 }
 
 void ParameterEditor::open(File which, const std::filesystem::path& path) {
+  // Unsaved changes of a file that another one replaces unasked are offered when it is opened again.
+  if (is_modified(which) && !files_[which].is_discarded) {
+    autosave();
+    files_[which].autosave->keep();
+  }
   files_[which].document.reset();
+  files_[which].is_discarded = false;
   try {
+    files_[which].autosave = std::make_unique<Autosave>(recovery_folder_of_parameters());
     if (std::filesystem::is_regular_file(path)) files_[which].document.emplace(path);
   } catch (const std::runtime_error& error) {
     Q_EMIT refused(QString::fromUtf8(error.what()));
@@ -77,6 +95,7 @@ std::vector<std::optional<double>> ParameterEditor::values() const {
 bool ParameterEditor::edit(const std::function<void(ParameterDocument&)>& change) {
   if (!file().document) return false;
   const std::vector<std::optional<double>> before = values();
+  const std::uint64_t revision = document()->revision();
   try {
     change(*file().document);
   } catch (const std::runtime_error& error) {
@@ -86,6 +105,9 @@ bool ParameterEditor::edit(const std::function<void(ParameterDocument&)>& change
   }
   write_changes(before);
   Q_EMIT changed();
+  if (document()->revision() == revision) return true;
+  file().is_discarded = false;
+  Q_EMIT edited();
   return true;
 }
 
@@ -137,7 +159,40 @@ bool ParameterEditor::save(bool forced) {
                        .arg(QString::fromStdString(file().document->file().filename().string())));
     return false;
   }
-  return edit([](ParameterDocument& document) { document.save(); });
+  if (!edit([](ParameterDocument& document) { document.save(); })) return false;
+  autosave();
+  return true;
+}
+
+void ParameterEditor::autosave() {
+  for (OpenFile& one : files_) {
+    if (!one.document) continue;
+    try {
+      if (!one.document->is_modified()) one.autosave->match_file(one.document->file());
+      one.autosave->write(*one.document, QDateTime::currentSecsSinceEpoch());
+    } catch (const std::runtime_error& error) {
+      Q_EMIT refused(QString::fromUtf8(error.what()));
+    }
+  }
+}
+
+void ParameterEditor::keep_recoveries() {
+  autosave();
+  for (const OpenFile& one : files_)
+    if (one.document && one.document->is_modified()) one.autosave->keep();
+}
+
+std::optional<std::pair<ParameterEditor::File, Recovery>> ParameterEditor::recovery() const {
+  for (Recovery& found : find_recoveries(recovery_folder_of_parameters()))
+    for (const File which : {kRobot, kGait})
+      if (has(which) && document(which)->file() == found.original) return std::pair(which, std::move(found));
+  return std::nullopt;
+}
+
+void ParameterEditor::restore(File which, const Recovery& recovery) {
+  show(which);
+  if (edit([&](ParameterDocument& document) { document.replace_text(recovery.text); }))
+    discard_recovery(recovery);
 }
 
 bool ParameterEditor::reload() {

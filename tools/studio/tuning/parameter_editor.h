@@ -2,6 +2,7 @@
 
 #include <QObject>
 #include <QString>
+#include <QTimer>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -10,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sim_board/robot/description.h"
@@ -49,6 +51,7 @@ class ParameterEditor final : public QObject {
   }
   // Whether one of the files has changes that are not saved.
   bool is_modified() const;
+  bool is_modified(File file) const { return has(file) && document(file)->is_modified(); }
   const LiveParameters& live() const { return *files_[shown_].live; }
 
   // Each returns whether it changed something; an error is emitted as refused().
@@ -63,6 +66,14 @@ class ParameterEditor final : public QObject {
   // Refuses to overwrite what another program has written, unless forced.
   bool save(bool forced = false);
   bool reload();
+  // Writes the recoveries of unsaved changes now, which stay after the end of the program.
+  void keep_recoveries();
+  // The user does not want the unsaved changes of this file: they leave no recovery.
+  void discard(File file) { files_[file].is_discarded = true; }
+  // The recovery that a crash has left of an open file; nothing: none.
+  std::optional<std::pair<File, Recovery>> recovery() const;
+  // Takes over the text of a recovery as one change, or drops it.
+  void restore(File file, const Recovery& recovery);
   // What the compiler says of the shown document on this robot; empty: nothing.
   QString problem() const;
 
@@ -89,6 +100,8 @@ class ParameterEditor final : public QObject {
   // Another document, or none.
   void opened();
   void changed();
+  // By the user, also by undo and redo.
+  void edited();
   void live_changed(std::size_t index);
   void all_live_changed();
   void refused(const QString& message);
@@ -97,12 +110,15 @@ class ParameterEditor final : public QObject {
  private:
   struct OpenFile {
     std::optional<ParameterDocument> document;
+    std::unique_ptr<Autosave> autosave;  // of the document
+    bool is_discarded = false;
     std::unique_ptr<LiveParameters> live;
   };
 
   OpenFile& file() { return files_[shown_]; }
   void open(File file, const std::filesystem::path& path);
   bool edit(const std::function<void(ParameterDocument&)>& change);
+  void autosave();
   void write_changes(const std::vector<std::optional<double>>& before);
   std::vector<std::optional<double>> values() const;
 
@@ -114,6 +130,7 @@ class ParameterEditor final : public QObject {
   bool connected_ = false;
   bool is_live_ = true;
   std::optional<bool> live_before_bus_;  // while a bus is attached
+  QTimer autosave_timer_;
 };
 
 }  // namespace koboshi::studio

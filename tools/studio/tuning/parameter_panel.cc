@@ -3,6 +3,7 @@
 #include <QAction>
 #include <QCheckBox>
 #include <QComboBox>
+#include <QDateTime>
 #include <QGridLayout>
 #include <QHBoxLayout>
 #include <QLabel>
@@ -14,6 +15,7 @@
 #include <QVBoxLayout>
 #include <algorithm>
 
+#include "tools/studio/motion/offer_bar.h"
 #include "tools/studio/tuning/parameter_row.h"
 
 namespace koboshi::studio {
@@ -40,6 +42,7 @@ ParameterPanel::ParameterPanel(QWidget* parent)
       apply_(new QPushButton(tr("Apply"))),
       again_(new QPushButton(tr("Walk again"))),
       area_(new QScrollArea),
+      offer_(new OfferBar(this)),
       message_(new QLabel) {
   add_actions();
   area_->setWidgetResizable(true);
@@ -48,6 +51,7 @@ ParameterPanel::ParameterPanel(QWidget* parent)
   message_->setObjectName(QStringLiteral("parameter_message"));
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(4, 4, 4, 4);
+  layout->addWidget(offer_);
   layout->addLayout(make_search());
   layout->addLayout(make_buttons());
   layout->addWidget(area_, 1);
@@ -67,20 +71,22 @@ ParameterPanel::ParameterPanel(QWidget* parent)
 }
 
 void ParameterPanel::add_actions() {
-  const auto add = [this](const QString& text, const QString& keys, const QString& tip, const auto& does) {
-    auto* action = new QAction(text, this);
-    action->setShortcut(QKeySequence(keys));
+  const auto add_button = [this](const QString& text, const QString& tip, const auto& does) {
+    auto* action = new QAction(text, this);  // its key is that of the window for the active document
     action->setToolTip(tip);
     connect(action, &QAction::triggered, this, does);
+    return action;
+  };
+  save_ = add_button(tr("Save"), tr("Writes the changed values into the file (Ctrl+S)"), [this] { save(); });
+  undo_ = add_button(tr("Undo"), tr("Takes the last change of a parameter back (Ctrl+Z)"),
+                     [this] { editor_.undo(); });
+  redo_ = add_button(tr("Redo"), tr("Makes the change again (Ctrl+Y)"), [this] { editor_.redo(); });
+  const auto add = [&](const QString& text, const QString& keys, const QString& tip, const auto& does) {
+    QAction* action = add_button(text, tip, does);
+    action->setShortcut(QKeySequence(keys));
     addAction(action);
     return action;
   };
-  save_ = add(tr("&Save parameters"), tr("Ctrl+Alt+Shift+P"), tr("Writes the changed values into the file"),
-              [this] { save(); });
-  undo_ = add(tr("&Undo parameter"), tr("Ctrl+Alt+Shift+U"), tr("Takes the last change of a parameter back"),
-              [this] { editor_.undo(); });
-  redo_ = add(tr("&Redo parameter"), tr("Ctrl+Alt+Shift+E"), tr("Makes the change again"),
-              [this] { editor_.redo(); });
   reset_ = add(tr("Reset &all parameters"), tr("Ctrl+Alt+Shift+R"),
                tr("Gives every parameter its value in the file"), [this] { editor_.reset_all(); });
   add(tr("Re&load parameters"), tr("Ctrl+Alt+Shift+L"), tr("Takes over what another program has written"),
@@ -130,9 +136,6 @@ QHBoxLayout* ParameterPanel::make_buttons() {
   });
   auto* line = new QHBoxLayout;
   for (QAction* action : {save_, undo_, redo_, reset_}) line->addWidget(button_of(action));
-  save_->setIconText(tr("Save"));
-  undo_->setIconText(tr("Undo"));
-  redo_->setIconText(tr("Redo"));
   reset_->setIconText(tr("Reset all"));
   line->addStretch(1);
   line->addWidget(live_);
@@ -166,6 +169,7 @@ void ParameterPanel::build() {
   again_->setToolTip(is_gait ? tr("Resets the simulation: the gait is compiled with these numbers")
                              : tr("Stops the robot, and lets it walk again with the new gait"));
   overwrites_ = false;
+  offer_recovery();
   refresh_file();
   refresh();
   filter();
@@ -261,8 +265,10 @@ void ParameterPanel::check() {
 }
 
 void ParameterPanel::show_error(const QString& error) {
+  const bool is_new = error != error_;
   error_ = error;
   message_->setText(error);
+  if (is_new) Q_EMIT told(error, MessageKind::kError);
 }
 
 void ParameterPanel::show_answer(std::size_t index) {
@@ -281,6 +287,23 @@ void ParameterPanel::edit(std::size_t index, double value, bool drags) {
   editor_.set(index, value, drags ? QStringLiteral("slider %1").arg(index) : QString());
 }
 
-void ParameterPanel::save() { overwrites_ = !editor_.save(overwrites_); }
+bool ParameterPanel::save() {
+  overwrites_ = !editor_.save(overwrites_);
+  return !overwrites_;
+}
+
+void ParameterPanel::offer_recovery() {
+  const auto found = editor_.recovery();
+  if (!found) return;
+  const auto& [which, recovery] = *found;
+  const QString when =
+      QDateTime::fromSecsSinceEpoch(recovery.time_unix_s).toString(QStringLiteral("yyyy-MM-dd hh:mm"));
+  offer_->offer(
+      tr("The editor ended without saving %1. Its text of %2 was kept.")
+          .arg(QString::fromStdString(recovery.original.filename().string()), when),
+      {{tr("Restore"), [this, which = which, recovery = recovery] { editor_.restore(which, recovery); }},
+       {tr("Discard"), [recovery = recovery] { discard_recovery(recovery); }},
+       {tr("Later"), {}}});
+}
 
 }  // namespace koboshi::studio

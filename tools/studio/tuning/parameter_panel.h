@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/studio/tuning/parameter_editor.h"
+#include "tools/studio/widgets/message_kind.h"
 
 class QAction;
 class QCheckBox;
@@ -19,6 +20,7 @@ class QScrollArea;
 
 namespace koboshi::studio {
 
+class OfferBar;
 class ParameterRow;
 
 // The parameters of a robot, or of a gait, as sliders by group: searched, changed, undone, saved, and applied
@@ -34,10 +36,14 @@ class ParameterPanel final : public QWidget {
   ParameterRow& row(std::size_t index) { return *rows_.at(index); }
   // The last message of the compiler, the file or the controller; empty: none.
   QString message() const;
+  // Saves the shown file. Refuses to overwrite what another program has written, unless it is called again.
+  bool save();
 
  Q_SIGNALS:
   // The user wants the gait, or a value that the controller takes only from its storage, in a new run.
   void restart_wanted();
+  // A message that the panel shows.
+  void told(const QString& text, koboshi::studio::MessageKind kind);
   // The user wants the robot to stop and to walk again as it did.
   void walk_again_wanted();
 
@@ -61,7 +67,7 @@ class ParameterPanel final : public QWidget {
   void show_error(const QString& error);
   void show_answer(std::size_t index);
   void edit(std::size_t index, double value, bool drags);
-  void save();
+  void offer_recovery();
 
   ParameterEditor editor_;
   QComboBox* const file_;
@@ -71,6 +77,7 @@ class ParameterPanel final : public QWidget {
   QPushButton* const apply_;
   QPushButton* const again_;
   QScrollArea* const area_;
+  OfferBar* const offer_;
   QLabel* const message_;
   QAction* undo_ = nullptr;
   QAction* redo_ = nullptr;

@@ -17,9 +17,12 @@
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/input/yaml_tree.h"
+#include "sim_board/scenario/reader.h"
 #include "tools/studio/model/model_panel.h"
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/window/command_search.h"
+#include "tools/studio/window/documents.h"
+#include "tools/studio/window/keyboard.h"
 #include "tools/studio/window/message_bar.h"
 #include "tools/studio/window/model_controller.h"
 #include "tools/studio/window/motion_playback.h"
@@ -58,18 +61,25 @@ MainWindow::MainWindow(const std::filesystem::path& robot)
       panels_(new Panels(*this, *run_, *messages_)),
       poses_(new PoseController(*view_, panels_->motion(), *run_, this)),
       models_(new ModelController(*view_, panels_->model(), *run_, this)),
-      playback_(new MotionPlayback(*run_, panels_->motion(), *messages_, robot, this)),
+      playback_(new MotionPlayback(*run_, panels_->motion(), panels_->operator_panel().commands(), *messages_,
+                                   robot, this)),
+      documents_(new Documents(*this, *panels_)),
+      document_name_(new QLabel(this)),
       link_name_(new QLabel(this)) {
   arrange();
   make_menus();
   connect_view();
+  connect_documents();
   show_edited_robot();
-  update_title();
+  documents_->activate(Documents::kMotion);
+  show_active_document();
+  new Keyboard(*this, *view_);
 }
 
 // The panels refer to the controller and to its recording. Children are destroyed in the order of their
 // making, and the window's own members before them.
 MainWindow::~MainWindow() {
+  delete documents_;  // it looks at the panels when the keyboard moves
   for (QDockWidget* dock : findChildren<QDockWidget*>()) delete dock;
 }
 
@@ -88,6 +98,9 @@ void MainWindow::arrange() {
   setCentralWidget(centre);
   addToolBar(Qt::TopToolBarArea, new TransportBar(*run_, this));
   statusBar()->addPermanentWidget(link_name_);
+  statusBar()->addPermanentWidget(document_name_);
+  document_name_->setObjectName(QStringLiteral("active_document"));
+  document_name_->setToolTip(tr("The active document: Save, Undo and Redo act on it"));
   setAcceptDrops(true);
   setDockOptions(AnimatedDocks | AllowNestedDocks | AllowTabbedDocks);
   setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
@@ -108,36 +121,42 @@ void MainWindow::connect_view() {
   });
   connect(run_, &RunController::cursor_moved, this, &MainWindow::show_cursor);
   connect(run_, &RunController::rewound, this, [this] { show_marks(); });
-  connect(run_, &RunController::failed, messages_, &MessageBar::show_message);
-  connect(view_, &RobotView::failed, messages_, &MessageBar::show_message);
+  connect(run_, &RunController::failed, messages_, &MessageBar::show_error);
+  connect(view_, &RobotView::failed, messages_, &MessageBar::show_error);
   connect(view_, &RobotView::push_requested, this, &MainWindow::push);
   connect(view_, &RobotView::hovered, this, &MainWindow::show_link_name);
-  const auto title_changed = [this] {
-    warned_of_changes_ = false;
-    update_title();
-  };
-  connect(&motion(), &MotionPanel::title_changed, this, title_changed);
-  connect(&model(), &ModelPanel::title_changed, this, title_changed);
-  connect(models_, &ModelController::failed, messages_, &MessageBar::show_message);
+  connect(models_, &ModelController::failed, messages_, &MessageBar::show_error);
   connect(models_, &ModelController::restart_requested, &panels_->operator_panel(), &OperatorPanel::restart);
   connect(&motion(), &MotionPanel::pose_changed, poses_, &PoseController::show_pose);
-  connect(&panels_->tuning(), &TuningPanels::changed, this, [this] { warned_of_changes_ = false; });
   connect(poses_, &PoseController::told, this,
           [this](const QString& text) { statusBar()->showMessage(text, 3000); });
+}
+
+void MainWindow::connect_documents() {
+  connect(documents_, &Documents::changed, this, &MainWindow::show_active_document);
+  connect(documents_, &Documents::edited, this, [this] { may_close_ = false; });
+  connect(documents_, &Documents::told, this, [this](const QString& text) {
+    constexpr int kShown_ms = 4000;
+    statusBar()->showMessage(text, kShown_ms);
+  });
+  motion().set_guard([this](std::function<void()> go_on) {
+    documents_->settle({Documents::kMotion}, tr("Save the motion before another one is opened?"),
+                       std::move(go_on));
+  });
 }
 
 // Without a run, the view shows the robot of the motion editor.
 void MainWindow::show_edited_robot() {
   try {
-    if (const auto error = models_->open(robot_file_)) return messages_->show_message(*error);
+    if (const auto error = models_->open(robot_file_)) return messages_->show_error(*error);
     const auto robot = std::make_shared<const sim::RobotDescription>(model().document()->robot());
     poses_->set_robot(robot);
     view_->set_scene(poses_->ghost()->scene(), &poses_->ghost()->robot());
-    if (const auto error = motion().set_robot(robot)) messages_->show_message(*error);
+    if (const auto error = motion().set_robot(robot)) messages_->show_error(*error);
     panels_->tuning().set_robot(*robot);
     models_->follow_run();
   } catch (const std::exception& error) {
-    messages_->show_message(QString::fromUtf8(error.what()));
+    messages_->show_error(QString::fromUtf8(error.what()));
   }
 }
 
@@ -163,28 +182,51 @@ void MainWindow::choose_bus() {
 }
 
 void MainWindow::attach(const std::string& transport, const sim::TransportOptions& options) {
-  bus_ = QString::fromStdString(transport);
-  bus_options_ = options;
-  run_->open_bus(transport, options, robot_file_);
+  std::vector<Documents::Kind> replaced;
+  if (!panels_->tuning().shows_parameters_of(robot_file_)) replaced.push_back(Documents::kParameters);
+  documents_->settle(replaced, tr("Save changes before the robot on the bus is shown?"),
+                     [this, transport, options] {
+                       bus_ = QString::fromStdString(transport);
+                       bus_options_ = options;
+                       run_->open_bus(transport, options, robot_file_);
+                     });
 }
 
 void MainWindow::open(const std::filesystem::path& file) {
   try {
     switch (kind_of_file(file)) {
       case FileKind::kScenario:
-        return run_->open_scenario(file);
+        return open_scenario(file);
       case FileKind::kRecording:
         return run_->open_recording(file);
       case FileKind::kMotion:
-        if (run_->source() == RunController::Source::kNone)
-          view_->set_scene(poses_->ghost()->scene(), &poses_->ghost()->robot());
-        if (const auto error = motion().open(file, robot_file_)) return messages_->show_message(*error);
-        motion().show_row(0);
-        return panels_->raise(QStringLiteral("motion"));
+        return documents_->settle({Documents::kMotion}, tr("Save the motion before another one is opened?"),
+                                  [this, file] { open_motion(file); });
     }
   } catch (const std::exception& error) {
-    messages_->show_message(QString::fromUtf8(error.what()));
+    messages_->show_error(QString::fromUtf8(error.what()));
   }
+}
+
+void MainWindow::open_motion(const std::filesystem::path& file) {
+  if (run_->source() == RunController::Source::kNone)
+    view_->set_scene(poses_->ghost()->scene(), &poses_->ghost()->robot());
+  if (const auto error = motion().open(file, robot_file_)) return messages_->show_error(*error);
+  motion().show_row(0);
+  panels_->raise(QStringLiteral("motion"));
+}
+
+// A scenario brings the parameters of its robot and its gait, in place of those that are open.
+void MainWindow::open_scenario(const std::filesystem::path& file) {
+  std::vector<Documents::Kind> replaced;
+  if (documents_->is_modified(Documents::kParameters) || documents_->is_modified(Documents::kGait)) {
+    const sim::Scenario scenario = sim::read_scenario(file);
+    if (!panels_->tuning().shows_parameters_of(scenario.robot)) replaced.push_back(Documents::kParameters);
+    if (scenario.gait && !panels_->tuning().shows_gait(scenario.gait->file))
+      replaced.push_back(Documents::kGait);
+  }
+  documents_->settle(replaced, tr("Save changes before the scenario is opened?"),
+                     [this, file] { run_->open_scenario(file); });
 }
 
 void MainWindow::show_opened() {
@@ -192,7 +234,7 @@ void MainWindow::show_opened() {
   view_->set_scene(run_->recording().scene, run_->robot());
   view_->set_pushable(run_->session() != nullptr);
   show_marks();
-  update_title();
+  show_active_document();
 }
 
 void MainWindow::show_marks() {
@@ -227,35 +269,57 @@ void MainWindow::push(int link, const Eigen::Vector3d& p_L_m, const Eigen::Vecto
       3000);
 }
 
-void MainWindow::update_title() {
+// In the title, the status line and the names of the panels.
+void MainWindow::show_active_document() {
+  const Documents::Kind active = documents_->active();
+  const auto marked = [this](Documents::Kind kind) {
+    return documents_->file_name(kind) + (documents_->is_modified(kind) ? QStringLiteral("*") : QString());
+  };
   QStringList parts;
+  if (documents_->document(active) != nullptr) parts << marked(active);
+  for (const Documents::Kind kind : documents_->unsaved())
+    if (kind != active) parts << marked(kind);
   if (!run_->file().empty()) parts << QString::fromStdString(run_->file().filename().string());
-  if (!motion().file().empty())
-    parts << QString::fromStdString(motion().file().filename().string()) +
-                 (motion().modified() ? QStringLiteral("*") : QString());
-  if (model().modified())
-    parts << QString::fromStdString(model().document()->file().filename().string()) + QLatin1Char('*');
   parts << QStringLiteral("Koboshi Studio");
   setWindowTitle(parts.join(QStringLiteral(" - ")));
+  const QString name = documents_->kind_name(active);
+  document_name_->setText(documents_->document(active) != nullptr
+                              ? QStringLiteral("%1: %2").arg(name, marked(active))
+                              : tr("%1: none").arg(name));
+  const auto mark = [&](Documents::Kind kind, Documents::Kind other) {
+    panels_->mark(documents_->dock(kind), documents_->is_modified(kind) || documents_->is_modified(other),
+                  active == kind || active == other);
+  };
+  mark(Documents::kMotion, Documents::kMotion);
+  mark(Documents::kRobot, Documents::kRobot);
+  mark(Documents::kParameters, Documents::kGait);
 }
 
 void MainWindow::closeEvent(QCloseEvent* event) {
-  const bool has_parameters = panels_->tuning().has_unsaved();
-  const bool has_files = motion().modified() || model().modified();
-  if ((has_files || has_parameters) && !std::exchange(warned_of_changes_, true)) {
-    const QString what = motion().modified() ? tr("The motion") : tr("The robot");
-    messages_->show_message(
-        has_files
-            ? tr("%1 has changes that are not saved. Save them (Ctrl+S), or close again to discard them.")
-                  .arg(what)
-            : tr("Parameters have changes that are not saved. Save them (Ctrl+Alt+Shift+P), or close again "
-                 "to "
-                 "discard them."));
-    return event->ignore();
+  documents_->take_typed();
+  if (!may_close_ && (documents_->is_asking() || !documents_->unsaved().empty())) {
+    event->ignore();
+    return documents_->settle(documents_->unsaved(), tr("Save changes before closing?"), [this] {
+      may_close_ = true;
+      close();
+    });
   }
   QSettings settings;
   panels_->save_layout(settings);
   QMainWindow::closeEvent(event);
+}
+
+void MainWindow::end() {
+  documents_->keep_recoveries();
+  may_close_ = true;
+  close();
+}
+
+bool MainWindow::end_session(bool may_ask) {
+  if (may_ask && !documents_->settle_now(tr("Save changes before the session ends?"))) return false;
+  if (!may_ask) documents_->keep_recoveries();
+  may_close_ = true;
+  return true;
 }
 
 void MainWindow::dragEnterEvent(QDragEnterEvent* event) {

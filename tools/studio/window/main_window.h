@@ -17,6 +17,7 @@ class QLabel;
 namespace koboshi::studio {
 
 class CommandSearch;
+class Documents;
 class MessageBar;
 class ModelController;
 class ModelPanel;
@@ -50,6 +51,12 @@ class MainWindow final : public QMainWindow {
   MotionPanel& motion();
   ModelPanel& model();
   MessageBar& messages() { return *messages_; }
+  Documents& documents() { return *documents_; }
+  // Ends without a question, as when the system ends the program: unsaved changes are kept for recovery.
+  void end();
+  // Lets the user save or discard changes at the end of the desktop's session. Returns false if he cancels.
+  bool end_session(bool may_ask);
+
   // All actions of the menus.
   QList<QAction*> all_actions() const;
 
@@ -67,16 +74,19 @@ class MainWindow final : public QMainWindow {
   QAction* add_action(QMenu& menu, const QString& text, const QKeySequence& shortcut,
                       const std::function<void()>& does);
   void connect_view();
+  void connect_documents();
   void show_edited_robot();
 
   void choose_file();
+  void open_motion(const std::filesystem::path& file);
+  void open_scenario(const std::filesystem::path& file);
+  void show_active_document();
   void choose_bus();
   void show_opened();
   void show_cursor();
   void show_marks();
   void show_link_name(int link);
   void push(int link, const Eigen::Vector3d& p_L_m, const Eigen::Vector3d& force_W_N);
-  void update_title();
 
   const std::filesystem::path robot_file_;
   RunController* const run_;
@@ -87,11 +97,13 @@ class MainWindow final : public QMainWindow {
   PoseController* const poses_;
   ModelController* const models_;
   MotionPlayback* const playback_;
+  Documents* const documents_;
   std::array<QAction*, view::kOverlayNames.size()> overlay_actions_{};
   std::optional<view::OverlayMarks> marks_;
   QString bus_ = QStringLiteral("socketcan:vcan0");  // the one chosen last
   sim::TransportOptions bus_options_;
-  bool warned_of_changes_ = false;  // by an attempt to close
+  bool may_close_ = false;  // changes are saved, discarded or kept for recovery
+  QLabel* const document_name_;
   QLabel* const link_name_;
 };
 

@@ -15,6 +15,7 @@
 #include "sim_board/board/sim_board.h"
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/window/command_search.h"
+#include "tools/studio/window/documents.h"
 #include "tools/studio/window/main_window.h"
 #include "tools/studio/window/motion_playback.h"
 #include "tools/studio/window/operator_panel.h"
@@ -47,16 +48,18 @@ constexpr std::array<OverlayText, 6> kOverlayTexts{
      {view::Overlay::kPushes, QT_TRANSLATE_NOOP("MainWindow", "Pushes"), true},
      {view::Overlay::kFootprints, QT_TRANSLATE_NOOP("MainWindow", "Footprints"), true}}};
 
-// The operator's keys, apart from the one that ends a run.
+// The operator's keys, apart from the one that ends a run. Desktops take Ctrl+Alt with an arrow to change the
+// workspace: there is a letter for each arrow.
 struct KeyText {
   tools::Key key;
   const char* text;
+  Qt::Key letter = Qt::Key_unknown;
 };
 constexpr std::array<KeyText, 15> kKeyTexts{
-    {{tools::Key::kForward, QT_TRANSLATE_NOOP("Key", "Forward")},
-     {tools::Key::kBackward, QT_TRANSLATE_NOOP("Key", "Backward")},
-     {tools::Key::kTurnLeft, QT_TRANSLATE_NOOP("Key", "Turn left")},
-     {tools::Key::kTurnRight, QT_TRANSLATE_NOOP("Key", "Turn right")},
+    {{tools::Key::kForward, QT_TRANSLATE_NOOP("Key", "Forward"), Qt::Key_W},
+     {tools::Key::kBackward, QT_TRANSLATE_NOOP("Key", "Backward"), Qt::Key_S},
+     {tools::Key::kTurnLeft, QT_TRANSLATE_NOOP("Key", "Turn left"), Qt::Key_J},
+     {tools::Key::kTurnRight, QT_TRANSLATE_NOOP("Key", "Turn right"), Qt::Key_L},
      {tools::Key::kLeft, QT_TRANSLATE_NOOP("Key", "Left")},
      {tools::Key::kRight, QT_TRANSLATE_NOOP("Key", "Right")},
      {tools::Key::kGo, QT_TRANSLATE_NOOP("Key", "Go")},
@@ -101,12 +104,21 @@ void MainWindow::make_menus() {
   add_action(*file, tr("&Attach to a CAN bus..."), QKeySequence(tr("Ctrl+Shift+B")),
              [this] { choose_bus(); });
   file->addSeparator();
+  QAction* save = add_action(*file, tr("&Save"), QKeySequence::Save, [this] { documents_->save(); });
+  save->setObjectName(QStringLiteral("save"));
+  save->setToolTip(tr("Save the active document"));
   file->addActions(motion().file_actions());
   add_action(*file, tr("&Upload the motion to a robot"), QKeySequence(tr("Ctrl+Shift+T")),
              [this] { playback_->upload(bus_.toStdString(), bus_options_); });
   file->addSeparator();
   add_action(*file, tr("&Quit"), QKeySequence::Quit, [this] { close(); });
   QMenu* edit = menuBar()->addMenu(tr("&Edit"));
+  QAction* undo = add_action(*edit, tr("&Undo"), QKeySequence(tr("Ctrl+Z")), [this] { documents_->undo(); });
+  undo->setToolTip(tr("Take the last change of the active document back"));
+  QAction* redo = add_action(*edit, tr("&Redo"), {}, [this] { documents_->redo(); });
+  redo->setShortcuts({QKeySequence(tr("Ctrl+Y")), QKeySequence(tr("Ctrl+Shift+Z"))});
+  redo->setToolTip(tr("Make the change of the active document again"));
+  edit->addSeparator();
   edit->addActions(motion().edit_actions());
   poses_->fill_menu(*menuBar()->addMenu(tr("&Pose")));
   make_run_menu();
@@ -141,10 +153,13 @@ void MainWindow::make_run_menu() {
 // other panels.
 void MainWindow::make_robot_menu() {
   QMenu* menu = menuBar()->addMenu(tr("R&obot"));
-  for (const KeyText& row : kKeyTexts)
-    add_action(*menu, QCoreApplication::translate("Key", row.text),
-               QKeySequence(QStringLiteral("Ctrl+Alt+") + key_name(row.key)),
-               [this, key = row.key] { panels_->operator_panel().press(key); });
+  for (const KeyText& row : kKeyTexts) {
+    QList<QKeySequence> keys{QKeySequence(QStringLiteral("Ctrl+Alt+") + key_name(row.key))};
+    if (row.letter != Qt::Key_unknown) keys.prepend(QKeySequence(Qt::CTRL | Qt::ALT | row.letter));
+    add_action(*menu, QCoreApplication::translate("Key", row.text), {}, [this, key = row.key] {
+      panels_->operator_panel().press(key);
+    })->setShortcuts(keys);
+  }
 }
 
 void MainWindow::make_view_menu() {

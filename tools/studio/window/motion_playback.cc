@@ -14,13 +14,24 @@
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/window/message_bar.h"
 #include "tools/studio/window/motion_upload.h"
+#include "tools/studio/window/operator_commands.h"
 #include "tools/studio/window/run_controller.h"
 
 namespace koboshi::studio {
 
-MotionPlayback::MotionPlayback(RunController& run, MotionPanel& motion, MessageBar& messages,
-                               std::filesystem::path robot_file, QObject* parent)
-    : QObject(parent), run_(run), motion_(motion), messages_(messages), robot_file_(std::move(robot_file)) {
+MotionPlayback::MotionPlayback(RunController& run, MotionPanel& motion, OperatorCommands& commands,
+                               MessageBar& messages, std::filesystem::path robot_file, QObject* parent)
+    : QObject(parent),
+      run_(run),
+      motion_(motion),
+      commands_(commands),
+      messages_(messages),
+      robot_file_(std::move(robot_file)),
+      simulated_upload_(run) {
+  connect(&simulated_upload_, &SimulatedUpload::done, this, &MotionPlayback::take_uploaded);
+  connect(&simulated_upload_, &SimulatedUpload::failed, this, [this](const QString& reason) {
+    messages_.show_error(tr("The controller has not stored the motion: %1").arg(reason));
+  });
   connect(&motion_, &MotionPanel::play_requested, this, &MotionPlayback::play);
   connect(&run_, &RunController::opened, this, &MotionPlayback::show_opened);
   connect(&run_, &RunController::status_changed, this, &MotionPlayback::repeat);
@@ -32,32 +43,69 @@ std::optional<std::filesystem::path> MotionPlayback::write_copy(const std::strin
   try {
     sim::write_whole_file(copy, text);
   } catch (const std::exception& error) {
-    messages_.show_message(QString::fromUtf8(error.what()));
+    messages_.show_error(QString::fromUtf8(error.what()));
     return std::nullopt;
   }
   return copy;
 }
 
 void MotionPlayback::upload(const std::string& transport, const sim::TransportOptions& options) {
+  if (!motion_.editor().is_open())
+    return messages_.show_message(tr("No motion is open that could be uploaded."), MessageKind::kWarning);
   const auto copy = write_copy(motion_.text());
   if (!copy) return;
+  if (run_.session() != nullptr) return upload_to_simulation(*copy);
   const QPointer<MotionPlayback> self(this);
   QThreadPool::globalInstance()->start(
       [self, upload = MotionUpload{*copy, robot_file_, transport, options, run_.borrow_sdo()}] {
-        QString result;
+        std::optional<UploadedMotion> uploaded;
+        QString error;
         try {
-          result = QString::fromStdString(studio::upload(upload));
-        } catch (const std::exception& error) {
-          result = QString::fromUtf8(error.what()).trimmed();
+          uploaded = studio::upload(upload);
+        } catch (const std::exception& exception) {
+          error = QString::fromUtf8(exception.what()).trimmed();
         }
         // The application outlives its thread pool; the window may be gone.
         QMetaObject::invokeMethod(
             QCoreApplication::instance(),
-            [self, result] {
-              if (self) self->messages_.show_message(result);
+            [self, uploaded, error, place = QString::fromStdString(upload.transport)] {
+              if (!self) return;
+              if (!uploaded) return self->messages_.show_error(error);
+              self->show_uploaded(*uploaded, tr("%1 is motion %2 of the robot on %3: %4 bytes, read back the "
+                                                "same. The operator's list has it.")
+                                                 .arg(QString::fromStdString(uploaded->name))
+                                                 .arg(uploaded->number)
+                                                 .arg(place)
+                                                 .arg(uploaded->bytes));
             },
             Qt::QueuedConnection);
       });
+}
+
+void MotionPlayback::upload_to_simulation(const std::filesystem::path& copy) {
+  try {
+    simulated_upload_.start(compile_image(copy, run_.robot()->file), commands_.motions());
+  } catch (const std::exception& error) {
+    return messages_.show_error(QString::fromUtf8(error.what()).trimmed());
+  }
+  if (!run_.playing())
+    messages_.show_message(tr("The simulation pauses: the motion goes to its robot once it runs (Space)."),
+                           MessageKind::kInformation);
+}
+
+void MotionPlayback::take_uploaded(const UploadedMotion& motion, std::uint64_t time_us) {
+  commands_.add_motion(motion.number, motion.name, time_us);
+  messages_.show_message(tr("%1 is motion %2 of the simulated robot: %3 bytes, stored with the same CRC. The "
+                            "operator's list has it.")
+                             .arg(QString::fromStdString(motion.name))
+                             .arg(motion.number)
+                             .arg(motion.bytes),
+                         MessageKind::kSuccess);
+}
+
+void MotionPlayback::show_uploaded(const UploadedMotion& motion, const QString& text) {
+  commands_.read_motions(motion.name);
+  messages_.show_message(text, MessageKind::kSuccess);
 }
 
 void MotionPlayback::play(bool physics, int from_row) {

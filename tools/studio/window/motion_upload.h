@@ -1,13 +1,25 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "sim_board/can/transport/transport.h"
 #include "tools/studio/run/sdo_loan.h"
 
 namespace koboshi::studio {
+
+// A compiled motion as a controller stores it.
+struct MotionImage {
+  std::string name;  // under which the controller lists it
+  std::vector<std::uint8_t> bytes;
+};
+
+// Compiles a motion's source for the robot of this file. Throws sim::InputError for a motion with errors.
+[[nodiscard]] MotionImage compile_image(const std::filesystem::path& motion,
+                                        const std::filesystem::path& robot);
 
 // A motion on its way to a robot on a CAN bus.
 struct MotionUpload {
@@ -18,9 +30,15 @@ struct MotionUpload {
   std::shared_ptr<SdoLoan> channel{};  // of a bus that the window follows; null: none
 };
 
-// Compiles a motion, stores it in the controller and reads it back. It blocks. Returns one line for the user.
-// Throws sim::InputError for a motion with errors, what sim::open_transport throws, and what RobotMotions
-// throws.
-std::string upload(const MotionUpload& upload);
+// A motion in the storage of a controller.
+struct UploadedMotion {
+  std::uint16_t number = 0;
+  std::string name;
+  std::size_t bytes = 0;
+};
+
+// Compiles a motion, stores it in the controller and reads it back. It blocks. Throws sim::InputError for a
+// motion with errors, what sim::open_transport throws, and what RobotMotions throws.
+UploadedMotion upload(const MotionUpload& upload);
 
 }  // namespace koboshi::studio

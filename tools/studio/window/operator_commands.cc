@@ -8,6 +8,7 @@
 #include <QLabel>
 #include <QPushButton>
 #include <QVBoxLayout>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <variant>
@@ -44,6 +45,7 @@ OperatorCommands::OperatorCommands(RunController& run, QWidget* parent)
   add_walk();
   connect(&run_, &RunController::opened, this, &OperatorCommands::show_source);
   connect(&run_, &RunController::answered, this, &OperatorCommands::take_answer);
+  connect(&run_, &RunController::rewound, this, &OperatorCommands::forget_motions_after);
   clock_.start();
   timer_.setInterval(kTick_ms);
   connect(&timer_, &QTimer::timeout, this, &OperatorCommands::tick);
@@ -215,7 +217,8 @@ void OperatorCommands::show_source() {
   gamepad_pilot_.release();
   pilot_.reset();
   inquiry_.reset();
-  motion_->clear();
+  added_.clear();
+  show_motions({});
   Session* session = run_.session();
   setEnabled(session != nullptr || is_on_bus());
   walk_->setToolTip(
@@ -231,7 +234,7 @@ void OperatorCommands::show_source() {
     std::vector<std::pair<std::uint16_t, std::string>> motions;
     for (const std::string& name : sim::motion_names(scenario))
       motions.emplace_back(static_cast<std::uint16_t>(motions.size()), name);
-    show_motions(motions);
+    show_motions(std::move(motions));
     set_limits(simulation::controller_values(scenario).velocity_limits);
   } else if (is_on_bus()) {
     set_limits({});
@@ -254,16 +257,48 @@ void OperatorCommands::ask_controller() {
 
 void OperatorCommands::take_answer(const sim::ObjectAnswer& answer) {
   if (!inquiry_ || !inquiry_->take(answer, now_us())) return;
-  if (inquiry_->limits() != limits_) set_limits(inquiry_->limits());
+  if (inquiry_->asks_limits() && inquiry_->limits() != limits_) set_limits(inquiry_->limits());
   if (!inquiry_->complete()) return;
-  show_motions(inquiry_->motions());
+  show_motions(inquiry_->motions(), QString::fromStdString(std::exchange(wanted_, {})));
   inquiry_.reset();
 }
 
-void OperatorCommands::show_motions(const std::vector<std::pair<std::uint16_t, std::string>>& motions) {
+void OperatorCommands::read_motions(const std::string& name) {
+  if (!is_on_bus()) return;
+  wanted_ = name;
+  const bool knows_limits = !inquiry_;
+  inquiry_.emplace(knows_limits ? ControllerInquiry::Scope::kMotions : ControllerInquiry::Scope::kAll);
+}
+
+void OperatorCommands::add_motion(std::uint16_t number, const std::string& name, std::uint64_t time_us) {
+  auto motions = motions_;
+  const auto same = std::ranges::find(motions, number, [](const auto& motion) { return motion.first; });
+  if (same == motions.end()) {
+    motions.emplace_back(number, name);
+    std::ranges::sort(motions);
+    added_.emplace_back(time_us, number);
+  }
+  show_motions(std::move(motions), QString::fromStdString(name));
+}
+
+// A rewind takes an upload back.
+void OperatorCommands::forget_motions_after(std::uint64_t time_us) {
+  auto motions = motions_;
+  std::erase_if(added_, [&](const auto& added) {
+    if (added.first <= time_us) return false;
+    std::erase_if(motions, [&](const auto& motion) { return motion.first == added.second; });
+    return true;
+  });
+  if (motions.size() != motions_.size()) show_motions(std::move(motions), motion_->currentText());
+}
+
+void OperatorCommands::show_motions(std::vector<std::pair<std::uint16_t, std::string>> motions,
+                                    const QString& chosen) {
+  motions_ = std::move(motions);
   motion_->clear();
-  for (const auto& [number, name] : motions)
+  for (const auto& [number, name] : motions_)
     motion_->addItem(QString::fromStdString(name), qulonglong{number});
+  if (const int index = motion_->findText(chosen); index >= 0) motion_->setCurrentIndex(index);
 }
 
 behaviour::State OperatorCommands::state() const {

@@ -44,6 +44,12 @@ class OperatorCommands final : public QWidget {
 
   // Obeys a key as `koboshi run` with teleop does.
   void press(tools::Key key);
+  // Number and name of the motions in the list.
+  const std::vector<std::pair<std::uint16_t, std::string>>& motions() const { return motions_; }
+  // Adds a motion that the simulated robot has from this time of the run on, and chooses it.
+  void add_motion(std::uint16_t number, const std::string& name, std::uint64_t time_us);
+  // Asks a robot on a bus anew for its motions, and chooses the one with this name.
+  void read_motions(const std::string& name);
   // Replaces the gamepads of this machine. Null: none.
   void set_gamepads(std::unique_ptr<Gamepads> gamepads);
 
@@ -63,7 +69,8 @@ class OperatorCommands final : public QWidget {
   void show_deadline();
   void ask_controller();
   void take_answer(const sim::ObjectAnswer& answer);
-  void show_motions(const std::vector<std::pair<std::uint16_t, std::string>>& motions);
+  void show_motions(std::vector<std::pair<std::uint16_t, std::string>> motions, const QString& chosen = {});
+  void forget_motions_after(std::uint64_t time_us);
   void set_limits(const walk::VelocityLimits& limits);
   bool is_on_bus() const;
   behaviour::State state() const;
@@ -79,6 +86,9 @@ class OperatorCommands final : public QWidget {
   GamepadPilot gamepad_pilot_;
   walk::VelocityLimits limits_;
   std::optional<ControllerInquiry> inquiry_;  // on a bus, until it is complete
+  std::vector<std::pair<std::uint16_t, std::string>> motions_;
+  std::vector<std::pair<std::uint64_t, std::uint16_t>> added_;  // time and number of motions of a simulation
+  std::string wanted_;  // name of the motion to choose once the list is read
   QComboBox* const motion_;
   QDoubleSpinBox* const forward_;
   QDoubleSpinBox* const left_;

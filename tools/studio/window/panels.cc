@@ -20,6 +20,7 @@
 #include "tools/studio/view/sole_panel.h"
 #include "tools/studio/window/can_panel.h"
 #include "tools/studio/window/event_panel.h"
+#include "tools/studio/window/log_panel.h"
 #include "tools/studio/window/message_bar.h"
 #include "tools/studio/window/object_panel.h"
 #include "tools/studio/window/operator_panel.h"
@@ -71,10 +72,8 @@ void Panels::make() {
       {.name = QStringLiteral("plots"), .title = tr("Plots"), .area = Qt::RightDockWidgetArea});
   add(soles_ = new SolePanel,
       {.name = QStringLiteral("soles"), .title = tr("Soles"), .area = Qt::RightDockWidgetArea});
-  add(model_ = new ModelPanel, {.name = QStringLiteral("model"),
-                                .title = tr("Model"),
-                                .area = Qt::RightDockWidgetArea,
-                                .menu = tr("&Model")});
+  add(model_ = new ModelPanel,
+      {.name = QStringLiteral("model"), .title = tr("Model"), .area = Qt::RightDockWidgetArea});
   add(events_ = new EventPanel, {.name = QStringLiteral("events"), .title = tr("Events")});
   add(can_ = new CanPanel, {.name = QStringLiteral("can"), .title = tr("CAN bus")});
   add(objects_ = new ObjectPanel, {.name = QStringLiteral("objects"), .title = tr("Object dictionary")});
@@ -85,6 +84,11 @@ void Panels::make() {
                                .menu = tr("Para&meters")});
   add(&tuning_->comparison(), {.name = QStringLiteral("comparison"), .title = tr("Comparison")});
   add(&tuning_->studies(), {.name = QStringLiteral("studies"), .title = tr("Studies")});
+  add(log_ = new LogPanel, {.name = QStringLiteral("messages"), .title = tr("Messages")});
+  connect(&messages_, &MessageBar::told, log_, &LogPanel::add);
+  connect(motion_, &MotionPanel::told, log_, &LogPanel::add);
+  connect(model_, &ModelPanel::told, log_, &LogPanel::add);
+  connect(&tuning_->parameters(), &ParameterPanel::told, log_, &LogPanel::add);
   connect(tuning_, &TuningPanels::told, &messages_, &MessageBar::show_message);
   connect(tuning_, &TuningPanels::restart_wanted, operator_, &OperatorPanel::restart);
 }
@@ -100,12 +104,40 @@ void Panels::add(QWidget* panel, const Place& place) {
     window_.tabifyDockWidget(neighbour->dock, dock);
     neighbour->dock->raise();
   }
-  docks_.push_back({dock, panel, place.menu});
+  docks_.push_back({dock, panel, place.title, place.menu});
 }
 
 void Panels::raise(const QString& name) {
-  for (const Dock& dock : docks_)
-    if (dock.dock->objectName() == name) dock.dock->raise();
+  for (const Dock& dock : docks_) {
+    if (dock.dock->objectName() != name) continue;
+    dock.dock->show();
+    dock.dock->raise();
+    Q_EMIT shown(dock.panel);
+  }
+}
+
+void Panels::mark(const QString& name, bool is_modified, bool is_active) {
+  for (const Dock& dock : docks_) {
+    if (dock.dock->objectName() != name) continue;
+    QString title = dock.title;
+    if (is_modified) title += QLatin1Char('*');
+    if (is_active) title.prepend(QStringLiteral("\u25B8 "));
+    if (dock.dock->windowTitle() == title) return;
+    dock.dock->setWindowTitle(title);
+    dock.dock->toggleViewAction()->setText(dock.title);  // of the menu, and of the search for commands
+  }
+}
+
+// A key brings a panel to the front, also one that another panel of its place hides; the key of a panel that
+// is in front closes it.
+void Panels::show_or_close(const Dock& dock) {
+  const bool is_in_front = !dock.dock->isHidden() && !dock.dock->visibleRegion().isEmpty();
+  if (is_in_front) {
+    dock.dock->close();
+    return;
+  }
+  raise(dock.dock->objectName());
+  dock.panel->setFocus(Qt::ShortcutFocusReason);
 }
 
 void Panels::fill_menu(QMenu& menu) {
@@ -113,11 +145,18 @@ void Panels::fill_menu(QMenu& menu) {
   constexpr int kDigits = 9;
   int count = 0;
   for (const Dock& dock : docks_) {
-    QAction* show = dock.dock->toggleViewAction();
+    auto* show = new QAction(dock.title, this);
+    show->setCheckable(true);
     show->setShortcut(QKeySequence(count < kDigits
                                        ? Qt::ALT | Qt::Key(Qt::Key_1 + count)
                                        : Qt::CTRL | Qt::SHIFT | Qt::Key(Qt::Key_F1 + count - kDigits)));
     ++count;
+    const auto check = [show, dock = dock.dock] { show->setChecked(!dock->isHidden()); };
+    connect(dock.dock, &QDockWidget::visibilityChanged, show, check);
+    connect(show, &QAction::triggered, this, [this, &dock, check] {
+      show_or_close(dock);
+      check();
+    });
     menu.addAction(show);
   }
   QAction* reset = menu.addAction(tr("&Default layout"));

@@ -20,6 +20,7 @@ namespace koboshi::studio {
 
 class CanPanel;
 class EventPanel;
+class LogPanel;
 class MessageBar;
 class ModelPanel;
 class MotionPanel;
@@ -48,6 +49,8 @@ class Panels final : public QObject {
   TuningPanels& tuning() { return *tuning_; }
   // Shows a panel in front of those it shares a place with; `name` is that of its dock.
   void raise(const QString& name);
+  // Marks the name of a panel: its document has unsaved changes, or is the active one.
+  void mark(const QString& name, bool is_modified, bool is_active);
 
   // Adds a switch for each panel, and the default layout.
   void fill_menu(QMenu& menu);
@@ -58,6 +61,10 @@ class Panels final : public QObject {
   void remember_default_layout();
   void restore_layout(const QSettings& settings);
   void save_layout(QSettings& settings) const;
+
+ Q_SIGNALS:
+  // The user, or the program for him, has brought this panel to the front.
+  void shown(const QWidget* panel);
 
  private:
   struct Place {
@@ -70,6 +77,8 @@ class Panels final : public QObject {
 
   void make();
   void add(QWidget* panel, const Place& place);
+  struct Dock;
+  void show_or_close(const Dock& dock);
   void connect_run();
   void show_opened();
   void show_grown(std::size_t first_sample);
@@ -80,6 +89,7 @@ class Panels final : public QObject {
   struct Dock {
     QDockWidget* dock;
     QWidget* panel;
+    QString title;
     QString menu;
   };
 
@@ -91,6 +101,7 @@ class Panels final : public QObject {
   SolePanel* soles_ = nullptr;
   CanPanel* can_ = nullptr;
   EventPanel* events_ = nullptr;
+  LogPanel* log_ = nullptr;
   ObjectPanel* objects_ = nullptr;
   MotionPanel* motion_ = nullptr;
   ModelPanel* model_ = nullptr;

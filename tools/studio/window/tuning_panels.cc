@@ -52,12 +52,12 @@ void TuningPanels::connect_run() {
 void TuningPanels::connect_panels() {
   ParameterEditor& editor = parameters_->editor();
   comparison_->set_edited([&editor] { return editor.preparation(); });
-  connect(&editor, &ParameterEditor::changed, this, &TuningPanels::changed);
   connect(parameters_, &ParameterPanel::walk_again_wanted, walk_again_, &WalkAgain::start);
   connect(parameters_, &ParameterPanel::restart_wanted, this, &TuningPanels::restart_wanted);
-  connect(walk_again_, &WalkAgain::failed, this, &TuningPanels::told);
-  connect(comparison_, &ComparePanel::failed, this, &TuningPanels::told);
-  connect(studies_, &StudyPanel::failed, this, &TuningPanels::told);
+  const auto fail = [this](const QString& error) { Q_EMIT told(error, MessageKind::kError); };
+  connect(walk_again_, &WalkAgain::failed, this, fail);
+  connect(comparison_, &ComparePanel::failed, this, fail);
+  connect(studies_, &StudyPanel::failed, this, fail);
   connect(studies_, &StudyPanel::adopted, this, &TuningPanels::adopt);
 }
 
@@ -67,7 +67,16 @@ void TuningPanels::set_robot(const sim::RobotDescription& robot) {
   studies_->set_folder(studies_of(document != nullptr ? document->file() : robot.file));
 }
 
-bool TuningPanels::has_unsaved() const { return parameters_->editor().is_modified(); }
+bool TuningPanels::shows_parameters_of(const fs::path& robot) const {
+  const ParameterDocument* open = parameters_->editor().document(ParameterEditor::kRobot);
+  std::error_code ignored;
+  return open != nullptr && fs::equivalent(open->file(), robot.parent_path() / "parameters.yaml", ignored);
+}
+
+bool TuningPanels::shows_gait(const fs::path& gait) const {
+  const ParameterDocument* open = parameters_->editor().document(ParameterEditor::kGait);
+  return open != nullptr && open->file() == fs::absolute(gait);
+}
 
 void TuningPanels::show_opened() {
   ParameterEditor& editor = parameters_->editor();
@@ -100,7 +109,7 @@ void TuningPanels::adopt(const StudyRun& run, const StudyEvaluation& evaluation)
   if (!adopted.left_out.empty())
     text += tr("; not in this file: %1").arg(QString::fromStdString(adopted.left_out.front()));
   if (adopted.left_out.size() > 1) text += tr(" and %1 more").arg(adopted.left_out.size() - 1);
-  Q_EMIT told(text);
+  Q_EMIT told(text, adopted.left_out.empty() ? MessageKind::kSuccess : MessageKind::kWarning);
 }
 
 }  // namespace koboshi::studio

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "tools/studio/parameters/study_runs.h"
+#include "tools/studio/widgets/message_kind.h"
 
 namespace koboshi::studio {
 
@@ -28,14 +29,13 @@ class TuningPanels final : public QObject {
 
   // Shows the parameters and studies of this robot while no run is open.
   void set_robot(const sim::RobotDescription& robot);
-  // Whether a file of parameters has changes that are not saved.
-  bool has_unsaved() const;
+  // Whether the parameters beside this robot's file, and this gait, are those that are open.
+  bool shows_parameters_of(const std::filesystem::path& robot) const;
+  bool shows_gait(const std::filesystem::path& gait) const;
 
  Q_SIGNALS:
-  // A parameter has changed.
-  void changed();
   // One line for the user.
-  void told(const QString& message);
+  void told(const QString& message, koboshi::studio::MessageKind kind);
   // The user wants the scenario to start again.
   void restart_wanted();
 

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <QMetaType>
+
+namespace koboshi::studio {
+
+// What a message to the user is. Success and information need no answer; an error names what did not happen.
+enum class MessageKind { kSuccess, kInformation, kWarning, kError };
+
+}  // namespace koboshi::studio
+
+Q_DECLARE_METATYPE(koboshi::studio::MessageKind)
