@@ -20,8 +20,6 @@
 
 namespace {
 
-constexpr int kSignalled = 128;  // and the signal's number, as a shell reports it
-
 bool is_set(const char* variable) {
   const char* value = std::getenv(variable);
   return value != nullptr && *value != '\0';
@@ -96,7 +94,7 @@ int run_program(int argc, char** argv) {
                    });
   const koboshi::studio::Termination termination([&window](int signal) {
     window.end();
-    QApplication::exit(kSignalled + signal);
+    QApplication::exit(koboshi::tools::kSignalled + signal);
   });
   window.show();
   return QApplication::exec();
