@@ -118,7 +118,8 @@ void Drive::brake(double deceleration_units_per_s2) {
     demand_.continue_from(position_units() + std::copysign(lead_units, ahead_units), velocity_.units_per_s(),
                           now_us_);
   }
-  demand_.stop(now_us_, deceleration_units_per_s2, position_range(values_));
+  demand_.stop(now_us_, deceleration_units_per_s2, position_range(values_),
+               joint_.max_speed_rad_per_s / kRadPerPositionUnit);
 }
 
 double Drive::deceleration(std::int16_t option) const {

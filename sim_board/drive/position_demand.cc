@@ -52,9 +52,9 @@ bool PositionDemand::follow(std::int32_t target, std::uint64_t now_us, std::uint
   return false;
 }
 
-void PositionDemand::stop(std::uint64_t now_us, double deceleration_units_per_s2,
-                          const PositionRange& range) {
-  const double speed = stream_speed(now_us);
+void PositionDemand::stop(std::uint64_t now_us, double deceleration_units_per_s2, const PositionRange& range,
+                          double highest_units_per_s) {
+  const double speed = std::clamp(stream_speed(now_us), -highest_units_per_s, highest_units_per_s);
   start_ = position_at(now_us);
   if (!stop_by_us_ || stands(now_us)) stop_by_us_ = now_us + kLongestStop_us;
   const double left_s = 1e-6 * static_cast<double>(*stop_by_us_ - std::min(now_us, *stop_by_us_ - 1));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "sim_board/drive/motion_limits.h"
@@ -34,8 +35,10 @@ class PositionDemand {
   // behind a stream that moves on by what it takes to brake. Where a stream ends, the demand ends, at
   // whatever speed: it runs past no target.
   bool follow(std::int32_t target, std::uint64_t now_us, std::uint32_t period_us, const CyclicLimits& limits);
-  // Ends within kLongestStop_us of the first of several stops in a row.
-  void stop(std::uint64_t now_us, double deceleration_units_per_s2, const PositionRange& range);
+  // Ends within kLongestStop_us of the first of several stops in a row. The ramp begins at the demand's
+  // speed, or at the highest one that the shaft can have.
+  void stop(std::uint64_t now_us, double deceleration_units_per_s2, const PositionRange& range,
+            double highest_units_per_s = std::numeric_limits<double>::infinity());
   void move(std::int32_t target, std::uint64_t now_us, const ProfileLimits& limits,
             const PositionRange& range);
   // Continues at this position and speed until the `stop` that must follow.

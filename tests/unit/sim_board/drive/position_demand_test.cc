@@ -210,6 +210,16 @@ TEST(PositionDemand, SteepensARampThatIsTooFlat) {
   }
 }
 
+// From 200,000 units/s, of which the shaft can have 100,000: 100 ms and 5,000 units.
+TEST(PositionDemand, StopsFromTheHighestSpeedOfItsShaft) {
+  PositionDemand demand;
+  demand.hold(0);
+  demand.approach(-2'000, 0, kCycle_us);
+  demand.stop(5'000, 1e6, {}, 100e3);
+  EXPECT_TRUE(demand.stands(105'000));
+  EXPECT_EQ(demand.at(105'000), -6'000);
+}
+
 TEST(PositionDemand, StandsWhereItIsBeyondItsRange) {
   PositionDemand demand;
   demand.hold(5'000);
