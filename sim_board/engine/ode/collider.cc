@@ -444,15 +444,6 @@ void Collider::add_rows(std::size_t contact, TreeSolver& solver, const Bodies& b
   touch.rows = rows.size() - touch.first_row;
 }
 
-void Collider::read_guesses(const TreeSolver& solver) {
-  auto next = solver.frictions().begin();
-  for (Touch& touch : touches_) {
-    if (!(touch.friction.mu > 0.0)) continue;
-    touch.guess = (next++)->guess;
-    touch.guess.normal /= options_.step_s;
-  }
-}
-
 void Collider::read_row_forces(const TreeSolver& solver) {
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     contacts_[i].f_W.setZero();

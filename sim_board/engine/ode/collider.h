@@ -60,8 +60,6 @@ class Collider {
   // Appends the rows of one contact: its normal, then one or two directions of friction. `p_WO_W` is the
   // origin of the tree's spatial vectors.
   void add_rows(std::size_t contact, TreeSolver& solver, const Bodies& bodies, const Eigen::Vector3d& p_WO_W);
-  // Reads the guesses of friction that the tree's solver found. No sole may be held.
-  void read_guesses(const TreeSolver& solver);
   // Reads the forces of these rows after the tree's solver has run.
   void read_row_forces(const TreeSolver& solver);
   std::span<const Contact> contacts() const { return contacts_; }
