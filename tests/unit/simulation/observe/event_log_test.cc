@@ -337,6 +337,7 @@ TEST_F(EventLogTest, CountsExcessEventsOfACause) {
 
 // A babbling node that the robot does not have, with many codes: the fault of a real one comes after it.
 TEST_F(EventLogTest, ShowsAFaultAfterAFloodOfEmergencyMessages) {
+  play_until(0.1);
   for (std::uint16_t i = 0; i < 5'000; ++i) {
     hal::CanFrame frame{.identifier = static_cast<std::uint16_t>(0x0C0 + i % 0x20), .size = 8};
     canopen::store_u16(frame.data.data(), static_cast<std::uint16_t>(0x1000 + i));
