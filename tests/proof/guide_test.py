@@ -17,9 +17,10 @@ A comment of the page, which the reader does not see, computes what its sentence
 
 The text in quotation marks must occur in the page. With =, its first number must be the value of the expression, rounded to the
 digits of the page; with `in`, the expression's value must contain the text. run("fell") is recorded_run.Run of runs/fell, and
-output("COMMAND") what a command prints, in which number_after(TEXT, output) is the first number after a text.
+output("COMMAND") what a command prints, in which number_after(TEXT, output) is the first number after a text; degrees() converts rad.
 """
 
+import math
 import pathlib
 import re
 import subprocess
@@ -124,7 +125,7 @@ class Page(unittest.TestCase):
                 self.assertEqual(status, outcome, output)
                 line = differing_line(lines, output.splitlines())
                 self.assertIsNone(line, f"the page shows a line that the command does not print there; its output:\n{output}")
-        names = {"run": lambda name: recorded_run.Run(pathlib.Path(runs, name)), "number_after": number_after,
+        names = {"run": lambda name: recorded_run.Run(pathlib.Path(runs, name)), "number_after": number_after, "degrees": math.degrees,
                  "output": lambda command: self.run_command(command, runs)[1]}
         page = re.sub(r"<!--.*?-->", "", self.text, flags=re.DOTALL)
         for line in quotations(self.text):
