@@ -65,15 +65,13 @@ class OnLoopback(unittest.TestCase):
     def test_has_one_controller(self):
         """A firmware that joins the bus of a run ends by itself and disturbs nothing."""
         with tempfile.TemporaryDirectory() as folder:
-            run = start_run(OURS, f"{folder}/run")
+            run = start(["run", "scenarios/live.yaml", "--out", f"{folder}/run"], f"udp:{OURS}:{PORT}")
             try:
                 second = subprocess.run([KOBOSHI, "firmware", "scenarios/squat.yaml", "--can", f"udp:{OURS}:{PORT}"],
                                         capture_output=True, text=True, timeout=PATIENCE_S)
-                run.communicate(timeout=PATIENCE_S)
             finally:
-                run.kill()
-                run.wait()
-                run.stdout.close()
+                run.terminate()
+                run.communicate()
             self.assertEqual(second.returncode, 1)
             self.assertIn("another controller is on this bus", second.stderr)
             self.assertEqual(end_of(f"{folder}/run")[0], "limp")
@@ -85,7 +83,7 @@ class OnLoopback(unittest.TestCase):
                 refused = subprocess.run([KOBOSHI, "can", "send", "000#0101", "--can", f"udp:{OURS}:{PORT}"],
                                          capture_output=True, text=True, timeout=PATIENCE_S)
                 self.assertEqual(refused.returncode, 1)
-                run = start_run(OURS, f"{folder}/run", "--interface", "lo")
+                run = start(["run", "scenarios/live.yaml", "--out", f"{folder}/run"], f"udp:{OURS}:{PORT}", "--interface", "lo")
                 try:
                     subprocess.run([KOBOSHI, "can", "dump", "--count", "10", "--interface", "lo", "--can",
                                     f"udp:{OURS}:{PORT}"], check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE_S)
