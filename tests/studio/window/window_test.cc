@@ -125,6 +125,7 @@ class WindowTest final : public ViewFixture {
     QVERIFY(!window_->end_session(true));
     QVERIFY(window_->end_session(false));
     window_->close();
+    window_.reset();  // a window that is still there keeps its recoveries to itself
     window_ = test::make_window();
     auto* bar = window_->motion().findChild<OfferBar*>(QStringLiteral("recovery"));
     QVERIFY(bar->isVisibleTo(&window_->motion()));  // at once, without a file that is opened

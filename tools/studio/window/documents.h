@@ -58,7 +58,6 @@ class Documents final : public QObject {
   void settle(const std::vector<Kind>& kinds, const QString& title, std::function<void()> go_on);
   // The same at the end of the desktop's session, which waits for the answer. Returns whether to end.
   [[nodiscard]] bool settle_now(const QString& title);
-  bool is_asking() const { return asking_; }
   // Writes the recoveries of all unsaved changes, which stay after the end of the program.
   void keep_recoveries();
 

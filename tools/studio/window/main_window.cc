@@ -297,7 +297,7 @@ void MainWindow::show_active_document() {
 
 void MainWindow::closeEvent(QCloseEvent* event) {
   documents_->take_typed();
-  if (!may_close_ && (documents_->is_asking() || !documents_->unsaved().empty())) {
+  if (!may_close_ && !documents_->unsaved().empty()) {
     event->ignore();
     return documents_->settle(documents_->unsaved(), tr("Save changes before closing?"), [this] {
       may_close_ = true;
