@@ -17,6 +17,7 @@
 #include <QTabBar>
 #include <QTableView>
 #include <QTemporaryDir>
+#include <QToolButton>
 #include <QTreeView>
 #include <algorithm>
 #include <filesystem>
@@ -132,6 +133,13 @@ class KeysTest final : public ViewFixture {
     fs::copy_file(kRoot / "robots/koboshi/motions/squat.yaml", motion_file_);
     window_->open(motion_file_);
     open_scenario("squat.yaml");
+    // The list of signals is hidden at first.
+    const auto buttons = window_->findChildren<QToolButton*>();
+    const auto signal_list = std::ranges::find_if(buttons, [](const QToolButton* one) {
+      return one->toolTip().contains(QStringLiteral("list of signals"));
+    });
+    QVERIFY(signal_list != buttons.end());
+    (*signal_list)->setChecked(true);
   }
   void init() {
     window_->activateWindow();
@@ -165,7 +173,7 @@ class KeysTest final : public ViewFixture {
   // A hand that is dragged in the view with the mouse: its edit is taken back, made again and saved.
   void keys_act_on_a_pose_dragged_in_the_view() {
     MotionPanel& motion = window_->motion();
-    motion.show_row(1);
+    motion.show_row(0);  // a pose; the next row waits
     raise("events");
     const std::string before = motion.text();
     window_->view().look_at_robot();
@@ -262,6 +270,7 @@ class KeysTest final : public ViewFixture {
   void keys_of_widgets_and_of_the_window_do_not_disturb_each_other() {
     RunController& run = window_->run();
     auto* box = window_->motion().findChild<JointPanel*>()->spin_box(0);
+    window_->motion().show_row(0);  // a pose; the next row waits
     QVERIFY(focus({"joint's number", "motion", box}));
     QVERIFY(press("space"));
     QTRY_VERIFY(run.playing());
@@ -281,6 +290,7 @@ class KeysTest final : public ViewFixture {
     QVERIFY(press("ctrl+z"));
     QVERIFY(time.data().toString() != QStringLiteral("2"));
     // What is being typed is saved, too.
+    window_->motion().show_row(0);
     box->setFocus();
     box->selectAll();
     const double before_deg = box->value();
