@@ -294,7 +294,7 @@ class MotionPanelTest final : public PanelFixture {
     name->selectAll();
     QTest::keyClicks(name, QStringLiteral("deep bend"));
     QTest::keyClick(name, Qt::Key_Return);
-    COMPARE_TEXT(text(), with(original, "name: squat", "name: deep bend"));
+    COMPARE_TEXT(text(), with(original, "name: squat", "name: \"deep bend\""));
     QVERIFY(panel_->save_as(in_folder("other.yaml")));
     QCOMPARE(name->text(), QStringLiteral("deep bend"));
     press("undo");
