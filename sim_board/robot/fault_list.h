@@ -30,6 +30,10 @@ class FaultList {
     return nodes;
   }
 
+  bool has_fault(const XmlNode& node) const {
+    return std::any_of(faults_.begin(), faults_.end(),
+                       [&node](const RobotFault& fault) { return fault.node == node; });
+  }
   const std::vector<RobotFault>& faults() const { return faults_; }
 
  private:

@@ -17,9 +17,11 @@ void find_axis_faults(const XmlNode& xyz, FaultList& faults) {
              "<xyz> = " + one_line(xyz.text()) + ", of length " + number_text(length), "a unit vector");
 }
 
-// The encoder measures one turn: the shaft must stay within it over the joint's whole range.
+// The encoder measures one turn: the shaft must stay within it over the joint's whole range. A limit in
+// another unit, a fault of its own, says nothing about the range.
 void find_range_faults(const XmlNode& joint, FaultList& faults) {
   const XmlNode limit = joint.child("axis").child("limit");
+  if (faults.has_fault(limit.child("lower")) || faults.has_fault(limit.child("upper"))) return;
   const double lower_rad = limit.number("lower");
   const double upper_rad = limit.number("upper");
   if (lower_rad >= upper_rad) {

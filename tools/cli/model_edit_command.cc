@@ -103,8 +103,8 @@ void add_model_edit_commands(CLI::App& model, Invocation&) {
   set->footer(
       R"(Replaces the bytes of each value: comments, order and layout of the rest stay. PATH is the name of a link,
 joint or type of servo, then a key, and names or keys between them where several fit. VALUE ends with its unit
-(mm, deg, g), or is in that of the file, which is then printed. An empty VALUE removes an optional one. The result must load: otherwise
-nothing is written and the exit status is 2 (docs/reference/model-set.md).
+(mm, deg, g), or is in that of the file, which is then printed. An empty VALUE removes an optional one. The
+result must load: otherwise nothing is written and the exit status is 2 (docs/reference/model-set.md).
 
 Examples:
   koboshi model set robots/koboshi/robot.sdf left_shank.mass=0.06 left_knee.axis="0 1 0" --dry-run

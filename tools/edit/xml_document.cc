@@ -93,7 +93,7 @@ XmlPart& XmlDocument::element_of(XmlPart& whole, const XmlPath& path) const {
   return *part;
 }
 
-void XmlDocument::set_text(const XmlPath& path, std::string_view value) {
+void XmlDocument::set_text(const XmlPath& path, std::string_view value, Blanks blanks) {
   XmlPart intended = whole_;
   XmlPart& element = element_of(intended, path);
   const XmlPlace& at = place(path);
@@ -111,17 +111,18 @@ void XmlDocument::set_text(const XmlPath& path, std::string_view value) {
     }
     return apply({at.content_begin, at.content_end, escaped(value)}, intended);
   }
-  const auto trim = [](std::string_view text) {
+  const auto replaced = [blanks](std::string_view text) {
+    if (blanks == Blanks::kGo) return std::pair(std::size_t{0}, text.size());
     const std::size_t begin = std::min(text.find_first_not_of(kBlanksOfXml), text.size());
     const std::size_t end = std::max(text.find_last_not_of(kBlanksOfXml) + 1, begin);
     return std::pair(begin, end);
   };
   std::string& content = element.parts[0].text;
-  const auto [first, last] = trim(content);
+  const auto [first, last] = replaced(content);
   content.replace(first, last - first, value);
   if (content.find_first_not_of(kBlanksOfXml) == std::string::npos) element.parts.clear();
   const auto [begin, end] =
-      trim(std::string_view(text_).substr(at.content_begin, at.content_end - at.content_begin));
+      replaced(std::string_view(text_).substr(at.content_begin, at.content_end - at.content_begin));
   apply({at.content_begin + begin, at.content_begin + end, escaped(value)}, intended);
 }
 

@@ -36,8 +36,10 @@ class XmlDocument {
   // Where an element stands in the text.
   const XmlPlace& place(const XmlPath& path) const;
 
-  // Replaces the text of an element that has no child elements. Blanks around the text stay.
-  void set_text(const XmlPath& path, std::string_view value);
+  // Replaces the text of an element that has no child elements. Blanks around a value are layout and stay;
+  // those around a name belong to it and go.
+  enum class Blanks { kStay, kGo };
+  void set_text(const XmlPath& path, std::string_view value, Blanks blanks = Blanks::kStay);
   // Replaces the value of an attribute; an attribute that the element lacks is added as its last one.
   void set_attribute(const XmlPath& path, std::string_view name, std::string_view value);
   void erase_attribute(const XmlPath& path, std::string_view name);

@@ -81,7 +81,8 @@ void set_file_text(XmlDocument& document, const ModelField& field, const std::st
   if (field.attribute != nullptr) {
     edited.set_attribute(path, field.attribute->name, text);
   } else {
-    edited.set_text(path, text);
+    const bool is_name = field.content() == sim::XmlContent::kText;
+    edited.set_text(path, text, is_name ? XmlDocument::Blanks::kGo : XmlDocument::Blanks::kStay);
   }
   document = std::move(edited);
 }

@@ -48,6 +48,8 @@ TEST(XmlDocument, ReplacesAValueAndNoOtherByte) {
   XmlDocument document = xml_document();
   document.set_text({0, 0}, "0.4");
   EXPECT_EQ(document.text(), xml_with(" 0.36 ", " 0.4 "));
+  document.set_text({0, 0}, "0.5", XmlDocument::Blanks::kGo);
+  EXPECT_EQ(document.text(), xml_with(" 0.36 ", "0.5"));
   document = xml_document();
   document.set_text({0, 1}, "4 5 6");
   EXPECT_EQ(document.text(), xml_with("1 2 3", "4 5 6"));

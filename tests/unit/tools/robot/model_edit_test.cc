@@ -116,6 +116,13 @@ TEST_F(ModelEditTest, ChangesTheBytesOfOneValue) {
             with("<joint name=\"left_knee\"", "noise_counts=\"0.1\"", "noise_counts=\"0.2\""));
 }
 
+// White space at the edge of a name is refused, so that a name set anew must not keep what was around it.
+TEST_F(ModelEditTest, SetsANameWithoutTheBlanksAroundIt) {
+  document_.replace_text(with("<joint name=\"left_knee\"", "<child>left_shank", "<child> left_shank"));
+  set("left_knee.child", "left_shank");
+  EXPECT_EQ(document_.text(), first_);
+}
+
 TEST_F(ModelEditTest, ConvertsUnits) {
   set("left_knee.upper", "140 deg");
   EXPECT_EQ(value("left_knee.upper"), "2.443461");

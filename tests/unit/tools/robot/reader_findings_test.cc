@@ -79,6 +79,8 @@ const std::vector<Plant> kRepaired{
     {"R025", "<koboshi:torque>", "<delay_s>0.001", "<delay_s>0.002", "Set both to one value, such as 0.001.",
      "left_ankle_roll", "joint/sensor/koboshi:torque/delay_s"},
     {"R016", "<joint name=\"head_pan", "head_pan", "head_pan ", "Write head_pan.", "head_pan ", "joint@name"},
+    {"R016", kKnee, "<child>left_shank", "<child> left_shank", "Write left_shank.", "left_knee",
+     "joint/child"},
     {"R027", "<visual name=\"chest_cover\">", "<geometry>", "<geometry><box><size>1 1 1</size></box>",
      "Remove the box or the mesh.", "trunk", "link/visual/geometry"},
 };
@@ -97,6 +99,8 @@ const std::vector<Plant> kUnrepaired{
     {"R018", kShank, "<mass>0.05</mass>", "",
      "Add <mass>: mass of the link, a number from 1e-06 to 1000 in kg.", "left_shank", "link/inertial"},
     {"R030", kShank, "<mass>0.05", "<mass>45", "in the unit of the file", "left_shank", "link/inertial/mass"},
+    {"R030", kKnee, "<upper>2.617994", "<upper>150", "in the unit of the file", "left_knee",
+     "joint/axis/limit/upper"},
     {"R022", kKnee, "<child>left_shank", "<child>left_thigh", "<child>", "", ""},
     {"R026", "<koboshi:servo_type", "derating_C=\"80\"", "derating_C=\"120\"", "data sheet", "krs_2552",
      "koboshi:servo_type/winding"},
@@ -106,7 +110,7 @@ std::string repaired_text(const std::string& text, const std::vector<ModelEdit>&
   XmlDocument document("robot.sdf", text);
   for (const ModelEdit& edit : edits) {
     if (edit.value && edit.attribute.empty()) {
-      document.set_text(edit.place, *edit.value);
+      document.set_text(edit.place, *edit.value, XmlDocument::Blanks::kGo);
     } else if (edit.value) {
       document.set_attribute(edit.place, edit.attribute, *edit.value);
     } else if (!edit.attribute.empty()) {
