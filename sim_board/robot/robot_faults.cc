@@ -18,6 +18,9 @@ using Names = std::set<std::string>;
 void take_names(const std::vector<XmlNode>& nodes, Names& names, FaultList& faults) {
   for (const XmlNode& node : nodes) {
     const auto name = node.find_attribute("name");
+    if (name && name->find("::") != std::string::npos)
+      faults.add(RobotFaultKind::kName, node, "name = " + one_line(*name),
+                 "a name without ::, which separates names in SDF", "name");
     if (name && !names.insert(*name).second)
       faults.add(RobotFaultKind::kName, node, "a second " + one_line(*name), "each name once", "name");
   }
@@ -149,6 +152,8 @@ bool has_sound_names(const FaultList& faults) {
 std::vector<RobotFault> find_robot_faults(const XmlNode& model, const std::filesystem::path& folder,
                                           const std::vector<XmlNode>& broken) {
   FaultList faults(broken);
+  Names model_names;
+  take_names({model}, model_names, faults);
   find_unit_faults(model, faults);  // first: other faults may follow from the wrong unit
   ReferenceCheck references(model, faults);
   for (const XmlNode& link : faults.sound_children(model, "link")) {

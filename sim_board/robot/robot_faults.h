@@ -10,7 +10,7 @@ namespace koboshi::sim {
 
 // What a robot's file may contain that its schema permits and no simulation can.
 enum class RobotFaultKind {
-  kName,       // a name that is used twice
+  kName,       // a name that is used twice, or that SDF refuses
   kReference,  // to a link, joint, servo type or library that is not there
   kInertia,    // of no rigid body
   kAxis,       // not a unit vector

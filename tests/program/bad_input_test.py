@@ -381,7 +381,7 @@ class Door(unittest.TestCase):
                 self.scenario.write_text(text, encoding="utf-8")
                 self.refuse(rf"{self.scenario}:1", "run", self.scenario)
                 self.robot.write_text(text, encoding="utf-8")
-                self.refuse(rf"{self.robot}:\d+", "dictionary", "write", "--robot", self.robot)
+                self.refuse(rf"{self.robot}:\d+", "dictionary", "--robot", self.robot, "write")
 
     def test_nesting_has_a_limit_that_is_told(self):
         for text in ("version: 1\nrobot: " + "[" * 600 + "]" * 600, "version: 1\nrobot: " + "{a: " * 600 + "1" + "}" * 600):

@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "firmware/motion/motion.h"
@@ -83,9 +84,12 @@ int play_in_simulation(const RobotMotionArguments& arguments) {
   return run_and_report(run, stage_scenario(arguments.motion, checked, scenario_overrides(arguments.run)));
 }
 
-// A file is played in the simulation; what is no file is a number or a name on the robot.
+// A file is played in the simulation; what is no file is a number or a name on the robot. A misspelt file is
+// not looked for on the bus.
 int play(RobotMotionArguments& arguments) {
-  if (std::filesystem::exists(arguments.which)) {
+  std::error_code ignored;
+  const std::filesystem::path which = arguments.which;
+  if (std::filesystem::exists(which, ignored) || which.extension() == ".yaml" || which.has_parent_path()) {
     arguments.motion = arguments.which;
     return play_in_simulation(arguments);
   }

@@ -105,7 +105,8 @@ class ModelPanelTest final : public QObject {
     for (const char* part :
          {"mass of the link", "left_shank.mass", "0.05 kg", "from 1e-06 to 1000", "SDF 1.9"})
       QVERIFY2(tip.contains(QLatin1String(part)), qPrintable(tip));
-    QCOMPARE(shown(QStringLiteral("left_knee"), QStringLiteral("left_knee.offset_rad")), QStringLiteral("0"));
+    QCOMPARE(shown(QStringLiteral("left_knee"), QStringLiteral("left_knee.offset_rad")),
+             QStringLiteral("0 deg"));
   }
 
   void changes_mass_axis_zoom_and_friction_and_saves_these_bytes() {

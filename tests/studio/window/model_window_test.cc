@@ -2,6 +2,7 @@
 
 #include <QAction>
 #include <QDockWidget>
+#include <QMessageBox>
 #include <QPushButton>
 #include <QSignalSpy>
 #include <QTemporaryDir>
@@ -120,6 +121,7 @@ class ModelWindowTest final : public ViewFixture {
     set("trunk.mass", "361 g");
     QVERIFY(window_->windowTitle().contains(QLatin1String("robot.sdf*")));
     QVERIFY(!window_->close());
+    window_->findChild<QMessageBox*>(QStringLiteral("unsaved"))->button(QMessageBox::Cancel)->click();
     QVERIFY(panel().save());
     QVERIFY(!window_->windowTitle().contains(QLatin1Char('*')));
     QVERIFY(window_->close());

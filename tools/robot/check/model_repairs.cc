@@ -171,8 +171,11 @@ void repair_node_id(const XmlNode& drive, Repair& repair) {
 
 // A copy of a part gets a name of its own; what refers to a link or joint is for people to decide.
 void repair_name(const XmlNode& node, Repair& repair) {
-  const std::string name = node.attribute("name") + "_2";
-  repair.finding.repair = fmt::format("Rename one of them, such as {}.", name);
+  std::string name = node.attribute("name");
+  const bool has_separator = name.find("::") != std::string::npos;
+  for (std::size_t at = 0; (at = name.find("::")) != std::string::npos;) name.replace(at, 2, "_");
+  if (!has_separator) name += "_2";
+  repair.finding.repair = fmt::format("Rename {}, such as {}.", has_separator ? "it" : "one of them", name);
   if (node.name() == "collision" || node.name() == "visual")
     repair.changes = {{Kind::kAttribute, node, "name", name}};
 }
