@@ -56,7 +56,7 @@ void PositionDemand::stop(std::uint64_t now_us, double deceleration_units_per_s2
                           double highest_units_per_s) {
   const double speed = std::clamp(stream_speed(now_us), -highest_units_per_s, highest_units_per_s);
   start_ = position_at(now_us);
-  if (!stop_by_us_ || stands(now_us)) stop_by_us_ = now_us + kLongestStop_us;
+  if (!stop_by_us_ || stands(now_us)) stop_by_us_ = now_us + kMaxStopDuration_us;
   const double left_s = 1e-6 * static_cast<double>(*stop_by_us_ - std::min(now_us, *stop_by_us_ - 1));
   const double least = speed == 0.0 ? kAtOnce : least_deceleration(speed, start_, range, left_s);
   const double deceleration = std::max(deceleration_units_per_s2, least);

@@ -21,7 +21,7 @@ class PositionDemand {
  public:
   // The longest ramp of a stop; a flatter one is steepened. With the time that the drive then holds
   // (Drive::kStandTime_us) and the lag of the shaft, a stop ends within 1 s. Set by hand (2026-11-25).
-  static constexpr std::uint64_t kLongestStop_us = 800'000;
+  static constexpr std::uint64_t kMaxStopDuration_us = 800'000;
 
   // Stands at `position`.
   void hold(std::int32_t position);
@@ -35,7 +35,7 @@ class PositionDemand {
   // behind a stream that moves on by what it takes to brake. Where a stream ends, the demand ends, at
   // whatever speed: it runs past no target.
   bool follow(std::int32_t target, std::uint64_t now_us, std::uint32_t period_us, const CyclicLimits& limits);
-  // Ends within kLongestStop_us of the first of several stops in a row. The ramp begins at the demand's
+  // Ends within kMaxStopDuration_us of the first of several stops in a row. The ramp begins at the demand's
   // speed, or at the highest one that the shaft can have.
   void stop(std::uint64_t now_us, double deceleration_units_per_s2, const PositionRange& range,
             double highest_units_per_s = std::numeric_limits<double>::infinity());

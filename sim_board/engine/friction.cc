@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector2d;
 
 // A smaller normal force or impulse, in N or N s, is rounding.
-constexpr double kLeastNormal = 1e-12;
+constexpr double kMinNormal = 1e-12;
 
 Vector2d scales(const FrictionLaw& law) { return {law.mu, law.mu2}; }
 
@@ -34,7 +34,7 @@ FrictionRows friction_rows(const FrictionLaw& law, const FrictionGuess& guess) {
   const double reach = M.cwiseProduct(rows.first).norm();
   rows.bounds = {guess.normal * reach, guess.normal * M.cwiseProduct(rows.second()).norm()};
   rows.aside = guess.normal / reach * M.cwiseProduct(rows.first).dot(M.cwiseProduct(rows.second()));
-  if (guess.speed > 0.0 && guess.normal > kLeastNormal) {
+  if (guess.speed > 0.0 && guess.normal > kMinNormal) {
     const double product = law.mu * law.mu2;
     rows.softness = guess.speed * reach * reach * reach / (guess.normal * product * product);
   }

@@ -18,7 +18,7 @@ constexpr int kMaxContactsOfPair = 8;
 constexpr double kSameContact_m = 0.005;
 
 // A smaller normal force is rounding.
-constexpr double kLeastNormal_N = 1e-6;
+constexpr double kMinNormal_N = 1e-6;
 
 // The iterative stepper turns a sliding point's friction by at most this in a step, in radians; otherwise the
 // points of a sole can alternate between the corners of their bounds. The force exceeds the ellipse by 1 %.
@@ -362,7 +362,7 @@ dContact Collider::ode_contact(const Touch& touch) const {
   surface.motionN = target_m_per_s(touch.normal);
   surface.soft_cfm = touch.normal.force_mixing;
   const bool is_quick = options_.stepper == Stepper::kQuick;
-  const bool is_loaded = touch.guess.normal > kLeastNormal_N;
+  const bool is_loaded = touch.guess.normal > kMinNormal_N;
   const FrictionRows rows = friction_rows(touch.friction, touch.guess);
   FrictionRows bounds = rows;
   if (is_quick || !is_loaded) {

@@ -201,7 +201,7 @@ TEST(PositionDemand, SteepensARampThatIsTooFlat) {
       const PositionRange range = limited ? PositionRange{-2'000.0, 2'000.0} : PositionRange{};
       demand.stop(5'000, 1'000.0, range);
       EXPECT_TRUE(demand.steepened(6'000));
-      const std::uint64_t end_us = 5'000 + (limited ? 10'000 : PositionDemand::kLongestStop_us);
+      const std::uint64_t end_us = 5'000 + (limited ? 10'000 : PositionDemand::kMaxStopDuration_us);
       EXPECT_FALSE(demand.stands(end_us - 10));
       EXPECT_TRUE(demand.stands(end_us + 10));
       EXPECT_FALSE(demand.steepened(end_us + 10));
@@ -233,7 +233,7 @@ TEST(PositionDemand, HasOneTimeForSeveralStopsInARow) {
   demand.hold(0);
   demand.approach(2'000, 0, kCycle_us);
   for (const std::uint64_t now_us : {5'000u, 300'000u, 600'000u, 804'999u}) demand.stop(now_us, 1'000.0, {});
-  EXPECT_TRUE(demand.stands(5'010 + PositionDemand::kLongestStop_us));
+  EXPECT_TRUE(demand.stands(5'010 + PositionDemand::kMaxStopDuration_us));
 }
 
 // Back to where it came from, out of full motion and with a deceleration that is far too small.
