@@ -59,4 +59,13 @@ FrictionGuess better_guess(const FrictionLaw& law, const FrictionSolution& solut
   return guess;
 }
 
+void FrictionSearch::improve(const FrictionLaw& law, const FrictionSolution& solution, double mass,
+                             FrictionGuess& guess) {
+  normal_ = std::max(normal_, solution.normal);
+  error_ = std::max(error_, friction_error(law, solution, mass));
+  guess = better_guess(law, solution, mass);
+}
+
+double FrictionSearch::error() const { return error_ > kMinNormal ? error_ / normal_ : 0.0; }
+
 }  // namespace koboshi::sim

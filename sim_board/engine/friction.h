@@ -60,4 +60,17 @@ double friction_error(const FrictionLaw& law, const FrictionSolution& solution, 
 // The guess that the solution suggests.
 FrictionGuess better_guess(const FrictionLaw& law, const FrictionSolution& solution, double mass);
 
+// Improves the guesses of all contact points of one solution, and finds how far it is from the law.
+class FrictionSearch {
+ public:
+  void improve(const FrictionLaw& law, const FrictionSolution& solution, double mass, FrictionGuess& guess);
+  // Largest error of a contact point so far, relative to the largest normal force. Infinite if there is
+  // friction but no normal force.
+  double error() const;
+
+ private:
+  double error_ = 0.0;
+  double normal_ = 0.0;  // never negative
+};
+
 }  // namespace koboshi::sim

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import statistics
 import unittest
 
 import program as support
@@ -28,7 +29,8 @@ class Terrain(unittest.TestCase):
         return rows
 
     def slip_m(self, rows):
-        return max(float(row[f"true_{side}_slip_m"]) for row in rows for side in SIDES)
+        """Returns the median over ticks and soles: the largest value is that of a single step."""
+        return statistics.median(float(row[f"true_{side}_slip_m"]) for row in rows for side in SIDES)
 
     def height_m(self, rows):
         return sum(float(row["true_base_z_m"]) for row in rows) / len(rows)
@@ -46,7 +48,7 @@ class Terrain(unittest.TestCase):
         self.assertLess(rise_m, 0.0025)
 
     def test_slides_farther_on_the_patch(self):
-        self.assertGreater(self.slip_m(self.between(0.33, 0.57)), 1.5 * self.slip_m(self.between(0.87, 1.13)))
+        self.assertGreater(self.slip_m(self.between(0.33, 0.57)), 2 * self.slip_m(self.between(0.87, 1.13)))
 
 
 if __name__ == "__main__":

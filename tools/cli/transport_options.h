@@ -18,9 +18,11 @@ inline std::array<CLI::Option*, 3> add_transport_options(CLI::App& command, sim:
           .add_option("--ttl", options.ttl,
                       "Time to live of UDP datagrams: 0 for this machine (default), 1 for the network\n"
                       "segment, where every program can then command the robot")
-          ->check(CLI::Range(0, 255)),
+          ->type_name("N")
+          ->check(CLI::Range(0, 255).description("0 to 255")),
       command.add_option("--interface", options.interface,
-                         "Network interface for UDP (default: the one that the routing table chooses)")};
+                         "Network interface for UDP (default: the one that the routing table chooses)")
+          ->type_name("NAME")};
 }
 
 }  // namespace koboshi::tools

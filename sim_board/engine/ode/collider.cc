@@ -17,13 +17,6 @@ constexpr int kMaxContactsOfPair = 8;
 // Contacts of the same links in two steps are the same one if they are nearer than this.
 constexpr double kSameContact_m = 0.005;
 
-// A smaller normal force is rounding.
-constexpr double kMinNormal_N = 1e-6;
-
-// The iterative stepper turns a sliding point's friction by at most this in a step, in radians; otherwise the
-// points of a sole can alternate between the corners of their bounds. The force exceeds the ellipse by 1 %.
-constexpr double kMaxTurn = 0.14;
-
 // Error of friction that is taken for a solution of ODE's, as a share of the largest normal force.
 constexpr double kFrictionTolerance = 2e-3;
 
@@ -62,7 +55,6 @@ OdeGeom make_ground_box(const GroundBox& box) {
 
 // Projects the first friction direction onto the contact plane. Returns false if it is perpendicular to the
 // plane; ODE then chooses one.
-// then ODE chooses one.
 bool set_direction(const Eigen::Vector3d& direction, dGeomID frame, dContact& contact) {
   const Eigen::Vector3d direction_W =
       frame != nullptr ? Eigen::Vector3d(rotation_of(dGeomGetRotation(frame)) * direction) : direction;
@@ -84,61 +76,6 @@ Eigen::Vector3d speed_at(dBodyID body, const dVector3 p_W) {
   dVector3 v_W{};
   if (body != nullptr) dBodyGetPointVel(body, p_W[0], p_W[1], p_W[2], v_W);
   return vector_of(v_W);
-}
-
-// A surface without friction along the first direction exchanges the directions, since a law has always a
-// first one.
-bool exchanges_directions(const dSurfaceParameters& surface) { return !(surface.mu > 0.0); }
-
-FrictionLaw friction_law(const dSurfaceParameters& surface) {
-  return exchanges_directions(surface) ? FrictionLaw{surface.mu2, 0.0} : FrictionLaw{surface.mu, surface.mu2};
-}
-
-// Directions of friction in the contact plane. If the surface has none, ODE chooses them.
-std::array<Eigen::Vector3d, 2> friction_axes(const dContact& contact) {
-  dVector3 first;
-  dVector3 second;
-  dPlaneSpace(contact.geom.normal, first, second);
-  if ((contact.surface.mode & dContactFDir1) != 0) {
-    copy_vector(vector_of(contact.fdir1), first);
-    copy_vector(vector_of(contact.geom.normal).cross(vector_of(contact.fdir1)), second);
-  }
-  const Eigen::Vector3d first_W = vector_of(first);
-  const Eigen::Vector3d second_W = vector_of(second);
-  if (exchanges_directions(contact.surface)) return {second_W, -first_W};
-  return {first_W, second_W};
-}
-
-Eigen::Vector2d along(const std::array<Eigen::Vector3d, 2>& axes_W, const Eigen::Vector3d& vector_W) {
-  return {axes_W[0].dot(vector_W), axes_W[1].dot(vector_W)};
-}
-
-// Relative velocity at the contact point after ODE has moved the bodies for `step_s`.
-Eigen::Vector3d velocity_after(const Touch& touch, const Eigen::Vector3d& p_W, double step_s) {
-  const auto velocity = [&](dBodyID body) {
-    const Eigen::Vector3d v_W = vector_of(dBodyGetLinearVel(body));
-    const Eigen::Vector3d p_WCom_W = vector_of(dBodyGetPosition(body)) - step_s * v_W;
-    return Eigen::Vector3d(v_W + vector_of(dBodyGetAngularVel(body)).cross(p_W - p_WCom_W));
-  };
-  Eigen::Vector3d velocity_W = velocity(touch.body);
-  if (touch.other_body != nullptr) velocity_W -= velocity(touch.other_body);
-  return velocity_W;
-}
-
-// What a solution found. With force-dependent slip, the law is about the velocity beyond it.
-FrictionSolution solution_at(const Touch& touch, const Contact& contact, const Eigen::Vector3d& f_W,
-                             const Eigen::Vector3d& v_W) {
-  FrictionSolution solution{.normal = f_W.dot(contact.n_W), .friction = along(touch.axes_W, f_W)};
-  solution.velocity = along(touch.axes_W, v_W);
-  if ((touch.contact.surface.mode & dContactSlip1) != 0)
-    solution.velocity += touch.contact.surface.slip1 * solution.friction;
-  return solution;
-}
-
-double mass_kg(dBodyID body) {
-  dMass mass;
-  dBodyGetMass(body, &mass);
-  return mass.mass;
 }
 
 }  // namespace
@@ -329,7 +266,7 @@ void Collider::add_contact(const dContactGeom& point, int link, int other_link, 
 
 // Starts from the force that the contact had in the last step. The normal force of a new one is unknown.
 FrictionGuess Collider::guess_friction(const Touch& touch, const Contact& contact) const {
-  if (!(touch.friction.mu > 0.0)) return {};
+  if (!touch.has_friction()) return {};
   Eigen::Vector3d last_f_W = Eigen::Vector3d::Zero();
   double nearest_m = kSameContact_m;
   for (const Contact& last : last_contacts_) {
@@ -339,65 +276,31 @@ FrictionGuess Collider::guess_friction(const Touch& touch, const Contact& contac
     nearest_m = distance_m;
     last_f_W = last.f_W;
   }
-  return better_guess(touch.friction, solution_at(touch, contact, last_f_W, touch.v_W),
-                      mass_kg(touch.body) / options_.step_s);
+  return better_guess(touch.friction, touch.solution(last_f_W, touch.v_W),
+                      touch.mass_kg() / options_.step_s);
 }
 
 void Collider::make_joints() {
   dJointGroupEmpty(joints_.get());
   for (std::size_t i = 0; i < touches_.size(); ++i) {
-    const dContact contact = ode_contact(touches_[i]);
+    const dContact contact = ode_contact(touches_[i], target_m_per_s(touches_[i].normal),
+                                         options_.stepper == Stepper::kQuick);
     const dJointID joint = dJointCreateContact(world_, joints_.get(), &contact);
     dJointAttach(joint, touches_[i].body, touches_[i].other_body);
     dJointSetFeedback(joint, &feedbacks_[i]);
   }
 }
 
-// Without a guess of the normal force, ODE bounds friction by the normal force in the absence of friction.
-// Its iterative solver always bounds it by the present one.
-dContact Collider::ode_contact(const Touch& touch) const {
-  dContact contact = touch.contact;
-  contact.geom.depth = 0.0;
-  dSurfaceParameters& surface = contact.surface;
-  surface.motionN = target_m_per_s(touch.normal);
-  surface.soft_cfm = touch.normal.force_mixing;
-  const bool is_quick = options_.stepper == Stepper::kQuick;
-  const bool is_loaded = touch.guess.normal > kMinNormal_N;
-  const FrictionRows rows = friction_rows(touch.friction, touch.guess);
-  FrictionRows bounds = rows;
-  if (is_quick || !is_loaded) {
-    bounds = friction_rows(touch.friction, {.normal = 1.0, .against = touch.guess.against});
-    surface.mode |= dContactApprox1;
-  }
-  surface.mu = bounds.bounds[0];
-  surface.mu2 = bounds.bounds[1];
-  if (is_quick && touch.guess.speed > 0.0)
-    surface.mu2 = std::min(surface.mu2, std::abs(bounds.aside) + kMaxTurn * surface.mu2);
-  surface.mode |= dContactFDir1;
-  copy_vector(rows.first.x() * touch.axes_W[0] + rows.first.y() * touch.axes_W[1], contact.fdir1);
-  if (is_loaded && rows.softness > 0.0) {
-    surface.mode |= dContactSlip2 | dContactMotion2;
-    surface.slip2 =
-        rows.softness + ((surface.mode & dContactSlip1) != 0 ? surface.slip1 : kStickingForceMixing);
-    surface.motion2 = rows.target();
-  }
-  return contact;
-}
-
 bool Collider::improve_friction() {
-  double largest_error_N = 0.0;
-  double largest_normal_N = 0.0;
+  FrictionSearch search;
   for (std::size_t i = 0; i < touches_.size(); ++i) {
     Touch& touch = touches_[i];
-    if (!(touch.friction.mu > 0.0)) continue;
-    const FrictionSolution solution = solution_at(touch, contacts_[i], contacts_[i].f_W,
-                                                  velocity_after(touch, contacts_[i].p_W, options_.step_s));
-    const double mass = mass_kg(touch.body) / options_.step_s;
-    largest_normal_N = std::max(largest_normal_N, solution.normal);
-    largest_error_N = std::max(largest_error_N, friction_error(touch.friction, solution, mass));
-    touch.guess = better_guess(touch.friction, solution, mass);
+    if (!touch.has_friction()) continue;
+    search.improve(touch.friction,
+                   touch.solution(contacts_[i].f_W, touch.velocity_after(options_.step_s)),
+                   touch.mass_kg() / options_.step_s, touch.guess);
   }
-  return largest_error_N <= kFrictionTolerance * largest_normal_N;
+  return search.error() <= kFrictionTolerance;
 }
 
 void Collider::read_joint_forces() {
@@ -410,7 +313,6 @@ void Collider::add_rows(std::size_t contact, TreeSolver& solver, const Bodies& b
   std::vector<TreeRow>& rows = solver.rows();
   Touch& touch = touches_[contact];
   const Contact& point = contacts_[contact];
-  const dSurfaceParameters& surface = touch.contact.surface;
   const Eigen::Vector3d p_O = point.p_W - p_WO_W;
   TreeRow row{.body = static_cast<int>(bodies.index_of(point.link))};
   if (point.other_link >= 0) row.other_body = static_cast<int>(bodies.index_of(point.other_link));
@@ -428,10 +330,9 @@ void Collider::add_rows(std::size_t contact, TreeSolver& solver, const Bodies& b
   row.lower = 0.0;
   rows.push_back(row);
 
-  if (touch.friction.mu > 0.0) {
+  if (touch.has_friction()) {
     row.target = 0.0;
-    const bool slips = (surface.mode & dContactSlip1) != 0;
-    row.softness = (slips ? surface.slip1 : kStickingForceMixing) / step_s;
+    row.softness = (touch.slips() ? touch.contact.surface.slip1 : kStickingForceMixing) / step_s;
     solver.frictions().push_back({touch.first_row, touch.friction, touch.guess});
     TreeFriction& friction = solver.frictions().back();
     friction.guess.normal *= step_s;
@@ -442,6 +343,15 @@ void Collider::add_rows(std::size_t contact, TreeSolver& solver, const Bodies& b
     }
   }
   touch.rows = rows.size() - touch.first_row;
+}
+
+void Collider::read_guesses(const TreeSolver& solver) {
+  auto next = solver.frictions().begin();
+  for (Touch& touch : touches_) {
+    if (!touch.has_friction()) continue;
+    touch.guess = (next++)->guess;
+    touch.guess.normal /= options_.step_s;
+  }
 }
 
 void Collider::read_row_forces(const TreeSolver& solver) {

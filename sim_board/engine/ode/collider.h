@@ -13,6 +13,7 @@
 #include "sim_board/engine/ode/height_field_contact.h"
 #include "sim_board/engine/ode/library.h"
 #include "sim_board/engine/ode/near_boxes.h"
+#include "sim_board/engine/ode/touch.h"
 #include "sim_board/engine/tree/tree_solver.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/state/archive.h"
@@ -21,22 +22,6 @@
 #include "sim_board/world/world.h"
 
 namespace koboshi::sim {
-
-// A contact for the solvers: ODE's description of its point and surface, and its friction.
-struct Touch {
-  dContact contact;
-  dBodyID body;
-  dBodyID other_body;   // null: the ground
-  int ordinal;          // among the contacts of the two links
-  Eigen::Vector3d v_W;  // relative velocity at the point before the step
-  NormalRow normal;     // replaces ODE's, which has no restitution of soft surfaces and no gap
-  FrictionLaw friction;
-  std::array<Eigen::Vector3d, 2> axes_W;  // directions of friction
-  FrictionGuess guess{};                  // of the present solution; forces
-  // Rows of the tree's solver; none if a held sole replaces the contact.
-  std::size_t first_row = 0;
-  std::size_t rows = 0;
-};
 
 // Detects contacts of the links' boxes with the ground and each other, and creates ODE's contact joints or
 // rows of the tree's solver.
@@ -60,6 +45,8 @@ class Collider {
   // Appends the rows of one contact: its normal, then one or two directions of friction. `p_WO_W` is the
   // origin of the tree's spatial vectors.
   void add_rows(std::size_t contact, TreeSolver& solver, const Bodies& bodies, const Eigen::Vector3d& p_WO_W);
+  // Reads the guesses of friction that the tree's solver found. No sole may be held.
+  void read_guesses(const TreeSolver& solver);
   // Reads the forces of these rows after the tree's solver has run.
   void read_row_forces(const TreeSolver& solver);
   std::span<const Contact> contacts() const { return contacts_; }
@@ -137,7 +124,6 @@ class Collider {
   void add_contact(const dContactGeom& point, int link, int other_link, dBodyID body, dBodyID other_body,
                    const Meeting& meeting);
   FrictionGuess guess_friction(const Touch& touch, const Contact& contact) const;
-  dContact ode_contact(const Touch& touch) const;
 
   dWorldID world_;
   const WorldOptions& options_;

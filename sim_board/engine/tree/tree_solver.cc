@@ -170,8 +170,7 @@ void TreeSolver::read_impulses() {
 
 double TreeSolver::improve_guesses() {
   const std::size_t count = rows_.size();
-  double largest_error = 0.0;
-  double largest_normal = 0.0;
+  FrictionSearch search;
   for (TreeFriction& friction : frictions_) {
     FrictionSolution solution{.normal = impulses_[friction.normal_row]};
     double inverse_mass = 0.0;
@@ -182,11 +181,9 @@ double TreeSolver::improve_guesses() {
       solution.velocity[axis] = dot(&A_[row * count], impulses_.data(), count) - b_[row];
       inverse_mass += A_[row * count + row] / static_cast<double>(friction.rows());
     }
-    largest_normal = std::max(largest_normal, solution.normal);
-    largest_error = std::max(largest_error, friction_error(friction.law, solution, 1.0 / inverse_mass));
-    friction.guess = better_guess(friction.law, solution, 1.0 / inverse_mass);
+    search.improve(friction.law, solution, 1.0 / inverse_mass, friction.guess);
   }
-  return largest_normal > 0.0 ? largest_error / largest_normal : 0.0;
+  return search.error();
 }
 
 void TreeSolver::apply_impulses() {

@@ -64,6 +64,7 @@ class TreeSolver {
   const TreeRow& row(std::size_t index) const { return rows_[index]; }
   // Friction of the next solution, in the order of its rows.
   std::vector<TreeFriction>& frictions() { return frictions_; }
+  std::span<const TreeFriction> frictions() const { return frictions_; }
 
   // Computes velocities and impulses. Returns false if it finds no solution within rounding.
   [[nodiscard]] bool solve();

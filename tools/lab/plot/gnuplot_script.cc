@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include "sim_board/input/text.h"
@@ -157,6 +158,7 @@ class Script {
           if (x[i] < *series.from_x) y[i] = std::numeric_limits<double>::quiet_NaN();
         }
         for (const double value : y) range.include(value);
+        if (std::ranges::all_of(y, [](double value) { return std::isnan(value); })) empty_.emplace(p, s);
         write_block(out_, block_name(p, s), thin(x, y, kBuckets));
       }
       y_ranges_.push_back(figure_.log_log ? padded_log(range) : padded(range, panel.smallest_span));
@@ -202,13 +204,13 @@ class Script {
          << ", graph 0.5 center rotate\n";
     write_marks(p == 0);
     out_ << "plot ";
+    // Gnuplot refuses a plot of nothing: NaN stands for a panel whose curves have no values.
+    out_ << "NaN notitle";
     // Dashed curves last: the curves below show through their gaps.
-    const char* separator = "";
     for (const bool dashed : {false, true}) {
       for (std::size_t s = 0; s < panel.series.size(); ++s) {
-        if ((panel.series[s].style == LineStyle::kDashed) != dashed) continue;
-        out_ << separator << curve(p, s);
-        separator = ", ";
+        if ((panel.series[s].style == LineStyle::kDashed) != dashed || empty_.contains({p, s})) continue;
+        out_ << ", " << curve(p, s);
       }
     }
     out_ << "\nunset label\nunset arrow\n";
@@ -250,6 +252,7 @@ class Script {
   std::ostringstream out_;
   Range x_range_;
   std::vector<Range> y_ranges_;
+  std::set<std::pair<std::size_t, std::size_t>> empty_;  // curves without values: panel, series
   std::vector<PlacedMark> placed_marks_;
   std::size_t mark_rows_ = 0;
 };
