@@ -78,7 +78,14 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
     {OBJECT(0x2011, 10, balance.flags, kReadOnly, kTpdo),
      {.name = "Balance flags",
       .comment = "Bit 0: the left foot's ZMP is valid; 1: the right foot's; 2: that of both; 3: the frame "
-                 "is that of the right sole."}},
+                 "is that of the right sole; 4: the planned ZMP is valid; 5: its frame is that of the right "
+                 "sole."}},
+    {OBJECT(0x2011, 11, balance.planned_zmp[0], kReadOnly, kTpdo).repeated(2, 2),
+     {.name = "Planned ZMP",
+      .unit = kLengthUnit,
+      .elements = kPlane,
+      .comment = "That the walk plans for the end of the cycle, in the frame of the sole that bit 5 tells. "
+                 "Motions plan none."}},
     canopen::heading(0x2020, "Left ankle", "The wrench that the ground side exerts, in the sensor's frame."),
     {OBJECT(0x2020, 1, ankles[0][0], kReadOnly, kTpdo).repeated(3, 2),
      {.name = "Left force", .unit = kForceCount, .elements = canopen::kAxes}},

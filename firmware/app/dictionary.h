@@ -67,6 +67,7 @@ struct ControllerValues {
     std::int16_t zmp[2] = {};          // x, y of both feet, in the frame of the sole that carries more
     std::int16_t com[3] = {};          // centre of mass by the joints, in the same frame
     std::uint8_t flags = 0;            // kLeftZmpValid etc.; invalid values are zero
+    std::int16_t planned_zmp[2] = {};  // x, y that a walk plans, in the frame of the sole that the flags tell
   } balance;                           // 0x2011
   std::int16_t ankles[2][6] = {};      // 0x2020, 0x2021: force and torque in the sensor's counts
   behaviour::PowerParameters parameters;   // 0x2100
@@ -110,11 +111,14 @@ inline constexpr std::uint16_t kMotionCrcObject = 0x2402;
 inline constexpr std::uint16_t kFreeStorageObject = 0x2404;
 inline constexpr std::uint16_t kMotionInputObject = 0x2410;  // input n at sub-index n + 1
 
-// Bits of the balance's flags: which ZMPs are valid, and whether the right sole is the frame.
+// Bits of the balance's flags: which ZMPs are valid, and whether the right sole is the frame of the measured
+// and of the planned one.
 inline constexpr std::uint8_t kLeftZmpValid = 1 << 0;
 inline constexpr std::uint8_t kRightZmpValid = 1 << 1;
 inline constexpr std::uint8_t kZmpValid = 1 << 2;
 inline constexpr std::uint8_t kFrameIsRight = 1 << 3;
+inline constexpr std::uint8_t kPlannedZmpValid = 1 << 4;
+inline constexpr std::uint8_t kPlanIsInRight = 1 << 5;
 
 // RPDO 0 (identifier 0x201) carries commands, RPDO 1 (0x301) the velocity, RPDO 2 (0x401) the first four
 // inputs of motions, RPDO 3 + i the answers of joint i's drive; TPDO 0..6 carry telemetry, TPDO 7 + i

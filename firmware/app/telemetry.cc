@@ -1,8 +1,29 @@
 #include "firmware/app/telemetry.h"
 
+#include <optional>
+
 #include "firmware/app/telemetry_units.h"
 
 namespace koboshi::app {
+namespace {
+
+constexpr std::uint8_t kPlanFlags = kPlannedZmpValid | kPlanIsInRight;
+
+// Replaces the bits of the mask; the other stage's stay.
+void set_flags(std::uint8_t& flags, std::uint8_t mask, int value) {
+  flags = static_cast<std::uint8_t>((flags & ~mask) | value);
+}
+
+void show(const std::optional<walk::PlannedZmp>& planned, ControllerValues& values) {
+  auto& balance = values.balance;
+  const walk::Point p = planned ? planned->p : walk::Point();
+  balance.planned_zmp[0] = narrow(p.x);
+  balance.planned_zmp[1] = narrow(p.y);
+  const bool in_right = planned && planned->sole == hal::Side::kRight;
+  set_flags(balance.flags, kPlanFlags, (planned ? kPlannedZmpValid : 0) | (in_right ? kPlanIsInRight : 0));
+}
+
+}  // namespace
 
 void show(const estimation::RobotState& robot, ControllerValues& values) {
   auto& attitude = values.attitude;
@@ -19,9 +40,10 @@ void show(const estimation::RobotState& robot, ControllerValues& values) {
   balance.zmp[0] = narrow(robot.zmp.x);
   balance.zmp[1] = narrow(robot.zmp.y);
   narrow(robot.centre_of_mass, balance.com);
-  balance.flags = static_cast<std::uint8_t>(
-      (robot.feet[0].valid ? kLeftZmpValid : 0) | (robot.feet[1].valid ? kRightZmpValid : 0) |
-      (robot.zmp.valid ? kZmpValid : 0) | (robot.zmp.frame == hal::Side::kRight ? kFrameIsRight : 0));
+  set_flags(balance.flags, static_cast<std::uint8_t>(~kPlanFlags),
+            (robot.feet[0].valid ? kLeftZmpValid : 0) | (robot.feet[1].valid ? kRightZmpValid : 0) |
+                (robot.zmp.valid ? kZmpValid : 0) |
+                (robot.zmp.frame == hal::Side::kRight ? kFrameIsRight : 0));
 }
 
 void show(const estimation::Estimator& estimator, ControllerValues& values) {
@@ -41,6 +63,7 @@ void show(const behaviour::Behaviour& behaviour, ControllerValues& values) {
                       .refusal = status.refusal,
                       .attempts = status.attempts,
                       .overlay = status.overlay};
+  show(behaviour.decision().planned_zmp, values);
   values.diagnosis.falls = status.falls;
   values.diagnosis.risen = status.risen;
 }

@@ -193,6 +193,7 @@ void Behaviour::begin_soft_start() {
 void Behaviour::choose_feedback() {
   using balance::FeedbackMode;
   decision_.planned_pitch = {};
+  decision_.planned_zmp.reset();
   decision_.feedback = FeedbackMode::kNone;
   if (!kBalancing.contains(status_.state)) return;
   decision_.feedback = FeedbackMode::kStanding;
@@ -200,6 +201,7 @@ void Behaviour::choose_feedback() {
   if (status_.state != State::kWalking) return;
   decision_.feedback = FeedbackMode::kWalking;
   decision_.planned_pitch = walker_.pitch();
+  decision_.planned_zmp = walker_.planned_zmp();
 }
 
 // The joints of two motions are different ones.

@@ -310,12 +310,18 @@ void Walker::end_step() {
   stance_.soles[swing_side()] = Foothold();
   stance_.heights = {};
   stance_.yaw -= landed.yaw;
-  last_zmp_ = seen_from(landed, stance_.zmp);
+  stance_.zmp = last_zmp_ = seen_from(landed, stance_.zmp);
   com_ = {seen_from(landed, com_.dcm), seen_from(landed, com_.ccm)};
   support_ = swing_side();
   liftoff_ = landing_ = left_behind;
   const bool side_by_side = fixed::abs(left_behind.p.x) < kSideBySide;
   enter(stopping_ && speed_.is_zero() && side_by_side ? Phase::kClosingStep : Phase::kStepping);
+}
+
+std::optional<PlannedZmp> Walker::planned_zmp() const {
+  const bool plans =
+      phase_ == Phase::kWeightShift || phase_ == Phase::kStepping || phase_ == Phase::kClosingStep;
+  return plans ? std::optional(PlannedZmp{stance_.zmp, support_}) : std::nullopt;
 }
 
 // Each foot bears the share of the weight that puts the ZMP where it is planned, by the law of the lever.

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "firmware/fixed/literals.h"
@@ -18,6 +19,12 @@ struct Observation {
   fixed::Angle pitch;                       // positive forward
   robot::Vector<fixed::AngularRate> rates;  // in the trunk's axes, free of bias
   hal::BySide<fixed::Force> loads{};        // of the feet
+};
+
+// The ZMP of the plan, in the frame of a foot's sole.
+struct PlannedZmp {
+  Point p;
+  hal::Side sole = hal::Side::kLeft;
 };
 
 // Generates the joint targets of a walk at a commanded velocity, one control cycle of 10 ms at a time.
@@ -66,6 +73,8 @@ class Walker {
   [[nodiscard]] std::span<const fixed::Angle> targets() const {
     return {targets_.data(), model_.joint_count};
   }
+  // The ZMP that is planned for the end of this cycle. Empty while the walk begins and ends with a ramp.
+  [[nodiscard]] std::optional<PlannedZmp> planned_zmp() const;
   // The planned forward lean of the trunk.
   [[nodiscard]] fixed::Angle pitch() const { return stance_.pitch; }
 

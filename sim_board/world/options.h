@@ -15,9 +15,10 @@
 namespace koboshi::sim {
 
 // Solver of the equations of motion.
-//   kWorld  ODE, exact contact solver (Dantzig): the reference
+//   kWorld  ODE, exact contact solver (Dantzig): the reference, slow
 //   kLumped ODE's contacts, exact solver in joint coordinates; hinges that intersect in one point are merged,
-//           the links between them move with their neighbours, and a resting sole is one constraint
+//           the links between them move with their neighbours, and a resting sole is one constraint; the
+//           default of scenarios
 //   kQuick  ODE, iterative (projected successive over-relaxation)
 //   kMujoco MuJoCo, the second engine: joint coordinates, elliptic friction cones
 enum class Stepper { kWorld, kLumped, kQuick, kMujoco };

@@ -129,6 +129,11 @@ void TelemetryReader::read_balance(std::uint16_t base, const hal::CanFrame& fram
       telemetry_.foot_zmp[1].valid = (flags & app::kRightZmpValid) != 0;
       telemetry_.zmp.valid = (flags & app::kZmpValid) != 0;
       telemetry_.zmp.frame = (flags & app::kFrameIsRight) != 0 ? hal::Side::kRight : hal::Side::kLeft;
+      telemetry_.planned_zmp = {
+          .x_m = length_m(3),
+          .y_m = length_m(5),
+          .valid = (flags & app::kPlannedZmpValid) != 0,
+          .frame = (flags & app::kPlanIsInRight) != 0 ? hal::Side::kRight : hal::Side::kLeft};
       break;
     }
     default:

@@ -40,6 +40,12 @@ struct Telemetry {
     hal::Side frame = hal::Side::kLeft;  // the foot with more load
   } zmp;                                 // of both feet, in the sole frame of `frame`
   std::array<double, 3> com_S_m{};       // centre of mass from the joint angles, in the same frame
+  struct {
+    double x_m = 0.0;
+    double y_m = 0.0;
+    bool valid = false;
+    hal::Side frame = hal::Side::kLeft;
+  } planned_zmp;  // of a walk by command, in the sole frame of `frame`
   struct Joint {
     double target_rad = 0.0;
     double position_rad = 0.0;  // from the encoder

@@ -52,10 +52,20 @@ void WalkObserver::observe_tick(const GroundTruth& truth, const Telemetry& said)
   } else {
     ++ticks_;
   }
-  if (said.state == behaviour::State::kMotion) planned_ = plan_(kTick_s * ticks_ - kInEffect_s);
+  planned_ = plan_of(said);
   follow(truth);
   follow_steps(truth);
   judge_zmp(truth, said);
+}
+
+std::optional<WalkObserver::PlannedZmp> WalkObserver::plan_of(const Telemetry& said) const {
+  if (said.state == behaviour::State::kMotion) {
+    const GaitInstant instant = plan_(kTick_s * ticks_ - kInEffect_s);
+    return PlannedZmp{instant.support, instant.zmp_S_m};
+  }
+  const auto& planned = said.planned_zmp;
+  if (!planned.valid) return std::nullopt;
+  return PlannedZmp{planned.frame, {planned.x_m, planned.y_m}};
 }
 
 void WalkObserver::begin(const GroundTruth& truth) {
@@ -85,7 +95,8 @@ void WalkObserver::follow_steps(const GroundTruth& truth) {
 
 void WalkObserver::judge_zmp(const GroundTruth& truth, const Telemetry& said) {
   if (truth.zmp_margin_m) margins_m_.push_back(*truth.zmp_margin_m);
-  if (!said.zmp.valid || !planned_) return;
+  // The error at other lags needs the plan at other times, which is known of a gait's motion only.
+  if (!said.zmp.valid || said.state != behaviour::State::kMotion) return;
   zmp_error_.add([&](double lag_s) {
     const GaitInstant planned = plan_(kTick_s * ticks_ - kInEffect_s - kTelemetryAge_s - lag_s);
     return (in_sole_of(planned.support, truth, said) - planned.zmp_S_m).squaredNorm();

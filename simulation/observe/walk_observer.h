@@ -33,8 +33,8 @@ class WalkObserver {
   // Observes a tick; call it after each tick.
   void observe_tick(const GroundTruth& truth, const Telemetry& said);
 
-  // Planned ZMP of the last tick, placed at the true pose of the foot in whose frame it is planned. Empty
-  // unless the robot walks.
+  // Planned ZMP of the last tick, by the gait's motion or by the controller, placed at the true pose of the
+  // foot in whose frame it is planned. Empty unless the robot walks.
   std::optional<Eigen::Vector3d> planned_zmp_W(const GroundTruth& truth) const;
   // Displacement since the start of the walk: forward and left of the initial heading [m], and turn [rad].
   // Zero before the walk.
@@ -48,6 +48,12 @@ class WalkObserver {
   }
 
  private:
+  struct PlannedZmp {
+    hal::Side support = hal::Side::kLeft;
+    Eigen::Vector2d zmp_S_m = Eigen::Vector2d::Zero();  // in the sole frame of the support foot
+  };
+
+  std::optional<PlannedZmp> plan_of(const Telemetry& said) const;
   void begin(const GroundTruth& truth);
   void follow(const GroundTruth& truth);
   void follow_steps(const GroundTruth& truth);
@@ -58,7 +64,7 @@ class WalkObserver {
   bool begun_ = false;
   bool walking_ = false;
   int ticks_ = 0;  // since the first tick
-  std::optional<GaitInstant> planned_;
+  std::optional<PlannedZmp> planned_;
   Eigen::Vector2d start_W_m_ = Eigen::Vector2d::Zero();
   double start_yaw_rad_ = 0.0;
   Eigen::Vector2d now_W_m_ = Eigen::Vector2d::Zero();

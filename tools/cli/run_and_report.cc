@@ -100,8 +100,8 @@ void add_run_options(CLI::App& command, RunArguments& arguments) {
   command.add_option("--seed", arguments.seed, "Seed of all random numbers of the run");
   command
       .add_option("--stepper", arguments.stepper,
-                  "world: exact contacts (default); lumped: the same with fewer joints; quick: iterative;\n"
-                  "mujoco: the second engine, fast")
+                  "lumped: exact contacts, in joint coordinates (default); world: the reference, slow;\n"
+                  "quick: iterative; mujoco: the second engine")
       ->check(CLI::IsMember(sim::stepper_names()));
   command
       .add_option("--set", arguments.sets,

@@ -59,6 +59,27 @@ TEST_F(ControllerWalk, StartsOnCommand) {
   EXPECT_NE(targets(), standing);
 }
 
+TEST_F(ControllerWalk, PublishesItsPlannedZmp) {
+  const auto& balance = bench.values().balance;
+  EXPECT_EQ(balance.flags & kPlannedZmpValid, 0);
+  bench.command(Command::kWalk);
+  bench.run_ms(kGetsReady_ms);
+  int right = 0;
+  for (int tick = 0; tick < 52; ++tick) {  // two steps
+    bench.run_ms(10);
+    ASSERT_NE(balance.flags & kPlannedZmpValid, 0);
+    if ((balance.flags & kPlanIsInRight) != 0) ++right;
+    EXPECT_LT(std::abs(balance.planned_zmp[0] / 32.768), 40.0) << "mm in front of the ankle";
+    EXPECT_LT(std::abs(balance.planned_zmp[1] / 32.768), 80.0) << "mm beside it";
+  }
+  EXPECT_EQ(right, 26);
+  bench.command(Command::kStop);
+  ASSERT_TRUE(bench.run_until(State::kStanding, kComesToItsEnd_ms));
+  bench.run_ms(20);
+  EXPECT_EQ(balance.flags & (kPlannedZmpValid | kPlanIsInRight), 0);
+  EXPECT_EQ(balance.planned_zmp[1], 0);
+}
+
 TEST_F(ControllerWalk, AcceptsAVelocityWhileWalking) {
   bench.command(Command::kWalk);
   bench.run_ms(kGetsReady_ms);

@@ -69,6 +69,31 @@ TEST(Walker, MarchesOnTheSpotInTime) {
   }
 }
 
+// In single support the planned ZMP is that under the support foot: 8 mm in front of the ankle, 2 mm inwards.
+TEST(Walker, PlansItsZmpUnderTheSupportFoot) {
+  WalkingRobot robot;
+  EXPECT_FALSE(robot.walker.planned_zmp());
+  for (int step = 0; step < 4; ++step) {
+    do robot.advance();
+    while (!robot.swing_side());
+    const auto planned = robot.walker.planned_zmp();
+    ASSERT_TRUE(planned);
+    const Side support = other(*robot.swing_side());
+    EXPECT_EQ(planned->sole, support);
+    EXPECT_NEAR(to_double(planned->p.x), 8e-3, 1e-6);
+    EXPECT_NEAR(to_double(planned->p.y), support == Side::kLeft ? -2e-3 : 2e-3, 1e-6);
+    // The plan goes on without a jump when the other sole becomes its frame.
+    ASSERT_TRUE(robot.advance_until_landing());
+    const auto landed = robot.walker.planned_zmp();
+    ASSERT_TRUE(landed);
+    EXPECT_EQ(landed->sole, other(support));
+    EXPECT_NEAR(std::abs(to_double(landed->p.y)), kWidth_m - 2e-3, 100e-6);
+  }
+  robot.walker.stop();
+  while (robot.walker.running()) robot.advance();
+  EXPECT_FALSE(robot.walker.planned_zmp());
+}
+
 // For any duration of double support, the next step corrects a deviation from the planned one.
 TEST(Walker, MarchesOnTheSpotWithAnyDoubleSupport) {
   for (const int permille : {0, 100, 200, 300, 400, 500}) {

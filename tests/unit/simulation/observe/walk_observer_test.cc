@@ -112,6 +112,19 @@ TEST_F(Walk, ComparesZmpsInThePlannedSupportsFrameWhileValid) {
   EXPECT_LT((*observer_.planned_zmp_W(truth_) - Eigen::Vector3d(0.01, -0.03, 0.0)).norm(), 1e-12);
 }
 
+TEST_F(Walk, PlacesTheZmpThatTheControllerPlansAtItsFoot) {
+  said_.state = behaviour::State::kWalking;
+  said_.planned_zmp = {.x_m = 0.02, .y_m = 0.01, .valid = true, .frame = hal::Side::kRight};
+  tick(0.0, 0.0, 0.0);
+  const Eigen::Vector3d planned_W = truth_.X_WSole[1] * Eigen::Vector3d(0.02, 0.01, 0.0);
+  ASSERT_TRUE(observer_.planned_zmp_W(truth_));
+  EXPECT_LT((*observer_.planned_zmp_W(truth_) - planned_W).norm(), 1e-12);
+  EXPECT_TRUE(std::isnan(observer_.summary()->zmp_rms_error_m));
+  said_.planned_zmp.valid = false;
+  tick(0.0, 0.0, 0.0);
+  EXPECT_FALSE(observer_.planned_zmp_W(truth_));
+}
+
 // A ZMP that swings as planned, but 25 ms late and 4 mm to the side.
 TEST_F(Walk, SeparatesLagAndErrorOfTheZmp) {
   const auto swinging = [](double time_s) {
