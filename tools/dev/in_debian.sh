@@ -59,7 +59,7 @@ enter() {
   chmod 700 upper/root
   configure_network upper
   git clone --quiet --no-hardlinks "$repository" upper/root/koboshi
-  mount -t overlay overlay -o "lowerdir=$system,upperdir=$PWD/upper,workdir=$PWD/work" root
+  mount -t overlay overlay -o "volatile,lowerdir=$system,upperdir=$PWD/upper,workdir=$PWD/work" root
   cd root
   mount --rbind /dev dev
   mount --rbind /sys sys
