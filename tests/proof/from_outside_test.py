@@ -77,6 +77,14 @@ class OwnProject(unittest.TestCase):
             result = configure(ROOT, folder, "-DBUILD_TESTING=OFF", "-DKOBOSHI_SIMULATION=OFF")
             self.assertEqual(result.returncode, 0, result.stdout)
 
+    def test_warnings_are_errors_in_our_presets_alone(self):
+        for preset, error in (((), False), (("--preset", "firmware"), True)):
+            with self.subTest(preset), tempfile.TemporaryDirectory() as folder:
+                result = configure(ROOT, folder, "-DBUILD_TESTING=OFF", "-DKOBOSHI_SIMULATION=OFF", *preset)
+                self.assertEqual(result.returncode, 0, result.stdout)
+                units = json.loads((pathlib.Path(folder) / "compile_commands.json").read_text())
+                self.assertEqual({"-Werror" in shlex.split(unit["command"]) for unit in units}, {error})
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -95,7 +95,7 @@ class ReportGaps(Folder):
         cls.addClassCleanup(folder.cleanup)
         cls.build = pathlib.Path(folder.name)
         (cls.build / "CMakeLists.txt").write_text(cls.PROJECT)
-        subprocess.run(["cmake", "-S", cls.build, "-B", cls.build], check=True, capture_output=True)
+        subprocess.run(["cmake", "-G", "Ninja", "-S", cls.build, "-B", cls.build], check=True, capture_output=True)
 
     def setUp(self):
         super().setUp()

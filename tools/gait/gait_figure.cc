@@ -1,5 +1,6 @@
 #include "tools/gait/gait_figure.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>

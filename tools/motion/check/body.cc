@@ -1,6 +1,7 @@
 #include "tools/motion/check/body.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <stdexcept>

@@ -1,5 +1,6 @@
 #include "tools/view/recording/trace_schema.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <limits>
