@@ -28,10 +28,9 @@ FrameRotation FrameRotation::from_angles(double roll, double pitch, double yaw) 
   const double sin_p = std::sin(pitch / 2.0);
   const double cos_y = std::cos(yaw / 2.0);
   const double sin_y = std::sin(yaw / 2.0);
-  return FrameRotation{cos_r * cos_p * cos_y + sin_r * sin_p * sin_y,
-                       sin_r * cos_p * cos_y - cos_r * sin_p * sin_y,
-                       cos_r * sin_p * cos_y + sin_r * cos_p * sin_y,
-                       cos_r * cos_p * sin_y - sin_r * sin_p * cos_y}
+  return FrameRotation{
+      cos_r * cos_p * cos_y + sin_r * sin_p * sin_y, sin_r * cos_p * cos_y - cos_r * sin_p * sin_y,
+      cos_r * sin_p * cos_y + sin_r * cos_p * sin_y, cos_r * cos_p * sin_y - sin_r * sin_p * cos_y}
       .normalized();
 }
 

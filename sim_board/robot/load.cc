@@ -22,8 +22,9 @@ void load_links(const XmlNode& model, const ModelFrames& frames, RobotDescriptio
   }
 }
 
-void load_joints(const XmlNode& model, const ModelFrames& frames, RobotDescription& robot) {
-  const ServoTypes servo_types = load_servo_types(model, robot.file.parent_path());
+void load_joints(const XmlNode& model, const ModelFrames& frames, ServoLibraries& libraries,
+                 RobotDescription& robot) {
+  const ServoTypes servo_types = load_servo_types(model, robot.file.parent_path(), libraries);
   for (const XmlNode& node : model.children("joint"))
     robot.joints.push_back(load_joint(node, frames, robot, servo_types));
   std::sort(
@@ -44,7 +45,8 @@ RobotDescription load_robot(const std::filesystem::path& file) {
 RobotDescription load_robot(const std::filesystem::path& file, const std::string& text) {
   const XmlFile xml(file, text, sdf_rule());
   const XmlNode model = xml.root().child("model");
-  const std::vector<RobotFault> faults = find_robot_faults(model, file.parent_path());
+  ServoLibraries libraries;
+  const std::vector<RobotFault> faults = find_robot_faults(model, file.parent_path(), {}, libraries);
   if (!faults.empty()) throw faults.front().error();
   const ModelFrames frames(model);
 
@@ -53,7 +55,7 @@ RobotDescription load_robot(const std::filesystem::path& file, const std::string
   robot.file = file;
   robot.line = model.line();
   load_links(model, frames, robot);
-  load_joints(model, frames, robot);
+  load_joints(model, frames, libraries, robot);
   if (const auto battery = model.find("koboshi:battery")) {
     robot.battery = {.open_circuit_V = battery->attribute_number("open_circuit_V", 0.0),
                      .internal_resistance_ohm = battery->attribute_number("internal_resistance_ohm", 0.0)};

@@ -20,7 +20,8 @@ LinkDescription load_link(const XmlNode& node, const ModelFrames& frames,
                           const std::filesystem::path& folder);
 
 // `folder` is the folder of the robot's file.
-ServoTypes load_servo_types(const XmlNode& model_node, const std::filesystem::path& folder);
+ServoTypes load_servo_types(const XmlNode& model_node, const std::filesystem::path& folder,
+                            ServoLibraries& libraries);
 // Requires that the robot's links are already loaded.
 JointDescription load_joint(const XmlNode& node, const ModelFrames& frames, const RobotDescription& robot,
                             const ServoTypes& servo_types);

@@ -5,10 +5,9 @@
 #include <set>
 
 #include "sim_board/input/text.h"
-#include "sim_board/input/xml_reader.h"
 #include "sim_board/robot/fault_list.h"
-#include "sim_board/robot/sdf_schema.h"
 #include "sim_board/robot/sdf_version.h"
+#include "sim_board/robot/servo_types.h"
 
 namespace koboshi::sim {
 namespace {
@@ -122,8 +121,7 @@ class ReferenceCheck {
 };
 
 // Adds the names of a library. Throws InputError for the first fault in it.
-void take_library(const std::filesystem::path& file, Names& types) {
-  const XmlFile library(file, servo_library_rule());
+void take_library(const XmlFile& library, Names& types) {
   for (const XmlNode& type : library.root().children("koboshi:servo_type")) {
     FaultList faults;
     find_servo_faults(type, faults);
@@ -134,7 +132,8 @@ void take_library(const std::filesystem::path& file, Names& types) {
 }
 
 // Checks the servo types and the joints' references to them.
-void find_servo_type_faults(const XmlNode& model, const std::filesystem::path& folder, FaultList& faults) {
+void find_servo_type_faults(const XmlNode& model, const std::filesystem::path& folder,
+                            ServoLibraries& libraries, FaultList& faults) {
   Names types;
   for (const XmlNode& type : model.children("koboshi:servo_type")) {
     const auto name = type.find_attribute("name");
@@ -154,7 +153,7 @@ void find_servo_type_faults(const XmlNode& model, const std::filesystem::path& f
       continue;
     }
     try {
-      take_library(file, types);
+      take_library(libraries.open(file), types);
     } catch (const InputError& error) {
       faults.add(RobotFaultKind::kServoType, node,
                  "file = " + one_line(node.attribute("file")) +
@@ -195,8 +194,8 @@ void find_ring_faults(const ModelFrames& frames, FaultList& faults) {
   for (const FrameRing& ring : frames.rings()) {
     std::string names;
     for (const std::string& name : ring.names) names += (names.empty() ? "" : ", ") + one_line(name);
-    const auto reference = ring.is_of_poses && ring.node.name() == "pose" ? find_pose_frame(ring.node)
-                                                                            : std::nullopt;
+    const auto reference =
+        ring.is_of_poses && ring.node.name() == "pose" ? find_pose_frame(ring.node) : std::nullopt;
     faults.add(RobotFaultKind::kFrameRing, ring.node,
                (ring.is_of_poses ? "a ring of poses: " : "a ring of attached frames: ") + names,
                ring.is_of_poses ? "poses that lead to the model's frame" : "frames that lead to a link",
@@ -208,6 +207,12 @@ void find_ring_faults(const ModelFrames& frames, FaultList& faults) {
 
 std::vector<RobotFault> find_robot_faults(const XmlNode& model, const std::filesystem::path& folder,
                                           const std::vector<XmlNode>& broken) {
+  ServoLibraries libraries;
+  return find_robot_faults(model, folder, broken, libraries);
+}
+
+std::vector<RobotFault> find_robot_faults(const XmlNode& model, const std::filesystem::path& folder,
+                                          const std::vector<XmlNode>& broken, ServoLibraries& libraries) {
   FaultList faults(broken);
   Names model_names;
   take_names({model}, model_names, faults);
@@ -224,7 +229,7 @@ std::vector<RobotFault> find_robot_faults(const XmlNode& model, const std::files
   }
   for (const XmlNode& frame : faults.sound_children(model, "frame")) references.check_frame_element(frame);
   const bool is_tree_known = faults.is_whole() && has_sound_names(faults);
-  find_servo_type_faults(model, folder, faults);
+  find_servo_type_faults(model, folder, libraries, faults);
   find_node_id_faults(model, faults);
   if (is_tree_known) {
     const ModelFrames frames(model);

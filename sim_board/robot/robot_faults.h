@@ -8,6 +8,8 @@
 
 namespace koboshi::sim {
 
+class ServoLibraries;
+
 // What a robot's file may contain that its schema permits and no simulation can.
 enum class RobotFaultKind {
   kName,       // a name that is used twice, or that SDF refuses
@@ -42,5 +44,8 @@ struct RobotFault {
 // number. Paths are relative to `folder`.
 std::vector<RobotFault> find_robot_faults(const XmlNode& model, const std::filesystem::path& folder,
                                           const std::vector<XmlNode>& broken = {});
+// The same, with libraries that the caller goes on to read.
+std::vector<RobotFault> find_robot_faults(const XmlNode& model, const std::filesystem::path& folder,
+                                          const std::vector<XmlNode>& broken, ServoLibraries& libraries);
 
 }  // namespace koboshi::sim

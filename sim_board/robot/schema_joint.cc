@@ -85,7 +85,7 @@ XmlRule joint_rule() {
   return group_rule(
       "joint", kRepeated,
       {.meaning = "a hinge between two links; the joints form one tree of all links", .source = kSdf},
-      {pose_rule("the frame of <child>"),
+      {pose_rule("the frame that child names"),
        text_rule("parent", kRequired,
                  {.meaning = "name of the link on the trunk's side, or of a frame that is attached to it",
                   .source = kSdf}),

@@ -51,19 +51,18 @@ XmlRule model_rule() {
                                   "first one",
                        .source = kSdf}),
        text_attribute("placement_frame", false,
-                      {.meaning = "name of the link, joint or frame of which <pose> is the pose; without "
-                                  "effect, as <pose>",
+                      {.meaning = "name of the link, joint or frame that the model's pose places; without "
+                                  "effect, as that pose",
                        .source = kSdf})});
 }
 
 }  // namespace
 
 const XmlRule& sdf_rule() {
-  static const XmlRule rule =
-      group_rule("sdf", kOptional, {.meaning = "root of the file", .source = kSdf},
-                 {model_rule()},
-                 {text_attribute("version", true, {.meaning = "version of SDF", .source = kSdf}, kSdfVersions),
-                  name_space()});
+  static const XmlRule rule = group_rule(
+      "sdf", kOptional, {.meaning = "root of the file", .source = kSdf}, {model_rule()},
+      {text_attribute("version", true, {.meaning = "version of SDF", .source = kSdf}, kSdfVersions),
+       name_space()});
   return rule;
 }
 

@@ -101,10 +101,10 @@ TEST(Frames, OfOlderVersionsAreRefusedInLaterOnes) {
   for (const std::string version : {"1.7", "1.8", "1.9"}) {
     EXPECT_EQ(complaint(in_version(version, "relative_to=\"base\"", "frame=\"base\"")),
               "FILE:13: found frame of <pose> in SDF " + version + ", expected relative_to of <pose>");
-    EXPECT_EQ(complaint(in_version(version, "</axis>",
-                                   "<use_parent_model_frame>0</use_parent_model_frame></axis>")),
-              "FILE:44: found <use_parent_model_frame> in SDF " + version +
-                  ", expected expressed_in of <xyz>");
+    EXPECT_EQ(
+        complaint(
+            in_version(version, "</axis>", "<use_parent_model_frame>0</use_parent_model_frame></axis>")),
+        "FILE:44: found <use_parent_model_frame> in SDF " + version + ", expected expressed_in of <xyz>");
   }
   EXPECT_EQ(complaint(in_version("1.6", "relative_to=\"base\"", "relative_to=\"base\" frame=\"base\"")),
             "FILE:13: found frame of <pose> beside relative_to of <pose>, expected one of the two");
@@ -139,17 +139,18 @@ TEST(Frames, ShareTheNamesOfLinksAndJoints) {
 TEST(Frames, MayNotFormARing) {
   EXPECT_EQ(complaint(with("relative_to=\"base\"", "relative_to=\"hand\"")),
             "FILE:13: found a ring of poses: hand, hand, expected poses that lead to the model's frame");
-  EXPECT_EQ(complaint(with("relative_to=\"base\"", "relative_to=\"wrist\"")),
-            "FILE:13: found a ring of poses: hand, wrist, hand, expected poses that lead to the model's frame");
+  EXPECT_EQ(
+      complaint(with("relative_to=\"base\"", "relative_to=\"wrist\"")),
+      "FILE:13: found a ring of poses: hand, wrist, hand, expected poses that lead to the model's frame");
   EXPECT_EQ(complaint(with_frames("<frame name='a' attached_to='b'/><frame name='b' attached_to='a'>"
                                   "<pose relative_to='hand'/></frame>")),
             "FILE:49: found <pose> = , expected 6 times a number from -1000 to 1000");
   EXPECT_EQ(complaint(with_frames("<frame name='a' attached_to='b'/><frame name='b' attached_to='a'>"
                                   "<pose relative_to='hand'>0 0 0 0 0 0</pose></frame>")),
             "FILE:49: found a ring of attached frames: a, b, a, expected frames that lead to a link");
-  EXPECT_EQ(complaint(replaced(with_frames("<frame name='a' attached_to='wrist'/>"), "<child>hand",
-                               "<child>a")),
-            "FILE:38: found a ring of poses: wrist, a, wrist, expected poses that lead to the model's frame");
+  EXPECT_EQ(
+      complaint(replaced(with_frames("<frame name='a' attached_to='wrist'/>"), "<child>hand", "<child>a")),
+      "FILE:38: found a ring of poses: wrist, a, wrist, expected poses that lead to the model's frame");
 }
 
 }  // namespace

@@ -7,7 +7,8 @@
 namespace koboshi::sim {
 
 // A robot that has every key of the table (robot_keys.h) at least once, each optional one with another value
-// than its default; without the older keys for which SDF 1.9 has others. FULL_MESH stands for the path of a mesh.
+// than its default; without the older keys for which SDF 1.9 has others. FULL_MESH stands for the path of a
+// mesh.
 inline const std::string kFullRobot =
     R"(<sdf version="1.9" xmlns:koboshi="https://koboshi.invalid/sdf">
   <model name="full" canonical_link="base" placement_frame="mount">

@@ -47,8 +47,8 @@ class Dice {
   }
   // Less than half a turn, often one that people write.
   std::string angle() {
-    static const std::vector<std::string> kUsual{
-        "0", "-0", "1.570796", "1.5707963267948966", "-1.570796", "3.141593", "-3.141593", "0.785398"};
+    static const std::vector<std::string> kUsual{"0",         "-0",       "1.570796",  "1.5707963267948966",
+                                                 "-1.570796", "3.141593", "-3.141593", "0.785398"};
     if (one_in(2)) return pick(kUsual);
     std::string text = sign();
     text += std::to_string(below(3)) + ".";
@@ -133,8 +133,7 @@ class SmallTree {
   // The attributes of a pose that refers to a frame.
   std::string reference() {
     const bool is_older = minor_ <= 6 && !dice_.one_in(4);
-    return attribute(is_older ? "frame" : "relative_to",
-                     dice_.one_in(5) ? "__model__" : dice_.pick(frames_));
+    return attribute(is_older ? "frame" : "relative_to", dice_.one_in(5) ? "__model__" : dice_.pick(frames_));
   }
   std::string pose() {
     if (dice_.one_in(6)) return "";
@@ -175,10 +174,10 @@ class SmallTree {
     std::string text = pose();
     text += element("parent", "", body(link_name(dice_.below(child))));
     text += element("child", "", body(link_name(child)));
-    text += element("axis", "",
-                    element("xyz", axis_attribute, dice_.axis()) +
-                        "<limit><lower>-1.1</lower><upper>2.05</upper><velocity>7</velocity></limit>" +
-                        axis_key);
+    text +=
+        element("axis", "",
+                element("xyz", axis_attribute, dice_.axis()) +
+                    "<limit><lower>-1.1</lower><upper>2.05</upper><velocity>7</velocity></limit>" + axis_key);
     text += "<koboshi:servo type=\"small\"/><koboshi:encoder bits=\"12\"/>";
     text += "<koboshi:drive node_id=\"" + std::to_string(40 - child) + "\" serial_number=\"7\"/>";
     parts_.push_back(element("joint", attribute("name", name) + attribute("type", "revolute"), text));

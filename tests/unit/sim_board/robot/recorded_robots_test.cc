@@ -1,5 +1,5 @@
-// The descriptions that libsdformat 12.3 gave on Debian 12 of generated robot files, before the reader of this
-// project took its place (docs/decision/0022-robot-files-without-libsdformat.md).
+// The descriptions that libsdformat 12.3 gave on Debian 12 of generated robot files, before the reader of
+// this project took its place (docs/decision/0022-robot-files-without-libsdformat.md).
 
 #include <gtest/gtest.h>
 
@@ -95,12 +95,26 @@ TEST(RecordedRobots, LoadAsRecorded) {
 TEST(RecordedRobots, HaveAllKindsOfFrames) {
   std::string all;
   for (const RecordedRobot& robot : recorded_robots()) all += robot.text;
-  for (const char* part :
-       {"version=\"1.5\"", "version=\"1.6\"", "version=\"1.7\"", "version=\"1.8\"", "version=\"1.9\"",
-        " frame=\"", " relative_to=\"link_", " relative_to=\"joint_", " relative_to=\"frame_",
-        " relative_to=\"__model__", " attached_to=\"link_", " attached_to=\"joint_", " attached_to=\"frame_",
-        " expressed_in=\"", "<use_parent_model_frame>", " canonical_link=\"", " placement_frame=\"",
-        "<parent>frame_", "<child>frame_", "<ixy>"})
+  for (const char* part : {"version=\"1.5\"",
+                           "version=\"1.6\"",
+                           "version=\"1.7\"",
+                           "version=\"1.8\"",
+                           "version=\"1.9\"",
+                           " frame=\"",
+                           " relative_to=\"link_",
+                           " relative_to=\"joint_",
+                           " relative_to=\"frame_",
+                           " relative_to=\"__model__",
+                           " attached_to=\"link_",
+                           " attached_to=\"joint_",
+                           " attached_to=\"frame_",
+                           " expressed_in=\"",
+                           "<use_parent_model_frame>",
+                           " canonical_link=\"",
+                           " placement_frame=\"",
+                           "<parent>frame_",
+                           "<child>frame_",
+                           "<ixy>"})
     EXPECT_NE(all.find(part), std::string::npos) << part;
 }
 
