@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim_board/robot/model_frames.h"
 #include "sim_board/robot/robot_faults.h"
 
 namespace koboshi::sim {
@@ -48,7 +49,7 @@ void find_servo_faults(const XmlNode& servo_type, FaultList& faults);
 void find_sensor_faults(const XmlNode& sensor, FaultList& faults);
 void find_unit_faults(const XmlNode& model, FaultList& faults);
 // Of the model as a whole; requires that all references are sound.
-void find_tree_faults(const XmlNode& model, FaultList& faults);
-void find_sensor_set_faults(const XmlNode& model, FaultList& faults);
+void find_tree_faults(const XmlNode& model, const ModelFrames& frames, FaultList& faults);
+void find_sensor_set_faults(const XmlNode& model, const ModelFrames& frames, FaultList& faults);
 
 }  // namespace koboshi::sim

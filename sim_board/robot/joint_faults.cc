@@ -8,7 +8,7 @@
 namespace koboshi::sim {
 namespace {
 
-// libsdformat normalises any axis and would not detect a mistyped digit.
+// load_robot() normalises any axis, which would hide a mistyped digit.
 void find_axis_faults(const XmlNode& xyz, FaultList& faults) {
   const std::vector<double> values = xyz.numbers();
   const double length = std::hypot(values[0], values[1], values[2]);

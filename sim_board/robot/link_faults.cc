@@ -3,6 +3,7 @@
 
 #include "sim_board/input/text.h"
 #include "sim_board/robot/fault_list.h"
+#include "sim_board/robot/load_parts.h"
 
 namespace koboshi::sim {
 namespace {
@@ -12,12 +13,8 @@ namespace {
 void find_inertia_faults(const XmlNode& link, FaultList& faults) {
   constexpr double kMargin = 1e-4;
   const XmlNode node = link.child("inertial").child("inertia");
-  const double ixy = node.number("ixy", 0.0);
-  const double ixz = node.number("ixz", 0.0);
-  const double iyz = node.number("iyz", 0.0);
-  Eigen::Matrix3d inertia;
-  inertia << node.number("ixx"), ixy, ixz, ixy, node.number("iyy"), iyz, ixz, iyz, node.number("izz");
-  const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia).eigenvalues();
+  const Eigen::Vector3d moments =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia_matrix(node)).eigenvalues();
   const std::string found = "principal moments " + number_text(moments[0]) + ", " + number_text(moments[1]) +
                             " and " + number_text(moments[2]) + " kg m^2 in link " + link.attribute("name");
   if (moments[0] < 1e-12) {

@@ -1,6 +1,7 @@
-#include <sdf/JointAxis.hh>
+#include <cmath>
 
 #include "sim_board/robot/load_parts.h"
+#include "sim_board/robot/sdf_version.h"
 
 namespace koboshi::sim {
 namespace {
@@ -22,26 +23,30 @@ EncoderDescription load_encoder(const XmlNode& node) {
           .noise_counts = node.attribute_number("noise_counts", 0.0)};
 }
 
+// Unit vector along the axis of a joint, in the model's frame.
+Eigen::Vector3d axis_of(const XmlNode& axis, const std::string& joint, const ModelFrames& frames) {
+  const std::vector<double> xyz = axis.child("xyz").numbers();
+  const double length = std::sqrt(xyz[0] * xyz[0] + xyz[1] * xyz[1] + xyz[2] * xyz[2]);
+  const Eigen::Vector3d unit(xyz[0] / length, xyz[1] / length, xyz[2] / length);
+  const auto reference = find_axis_frame(axis);
+  return frames.pose(reference ? reference->frame : joint, kModelFrame).rotation.rotate(unit).normalized();
+}
+
 }  // namespace
 
-JointDescription load_joint(const sdf::Joint& joint, const XmlNode& node, const RobotDescription& robot,
+JointDescription load_joint(const XmlNode& node, const ModelFrames& frames, const RobotDescription& robot,
                             const ServoTypes& servo_types) {
   JointDescription description;
-  description.name = joint.Name();
+  description.name = node.attribute("name");
   description.line = node.line();
-  description.parent = found_link(robot, node.child("parent"), node.child("parent").text());
-  description.child = found_link(robot, node.child("child"), node.child("child").text());
-  description.p_MJ = resolve_pose(joint.SemanticPose(), "__model__", node).translation();
-
-  const sdf::JointAxis& axis = found_part(joint.Axis(0), node);
-  ignition::math::Vector3d axis_M;
-  if (const auto errors = axis.ResolveXyz(axis_M, "__model__"); !errors.empty()) {
-    throw node.error(one_line(errors.front().Message()), "an axis in a frame of this model");
-  }
-  description.axis_M = Eigen::Vector3d(axis_M.X(), axis_M.Y(), axis_M.Z()).normalized();
-  description.lower_rad = axis.Lower();
-  description.upper_rad = axis.Upper();
-  description.max_speed_rad_per_s = axis.MaxVelocity();
+  description.parent = found_link(robot, node.child("parent"), frames);
+  description.child = found_link(robot, node.child("child"), frames);
+  description.p_MJ = frames.pose(description.name, kModelFrame).position;
+  const XmlNode axis = node.child("axis");
+  description.axis_M = axis_of(axis, description.name, frames);
+  description.lower_rad = axis.child("limit").number("lower");
+  description.upper_rad = axis.child("limit").number("upper");
+  description.max_speed_rad_per_s = axis.child("limit").number("velocity");
 
   const XmlNode servo = node.child("koboshi:servo");
   const auto type = servo_types.find(servo.attribute("type"));

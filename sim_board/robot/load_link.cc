@@ -1,7 +1,5 @@
-#include <sdf/Collision.hh>
-#include <sdf/Visual.hh>
-
 #include "sim_board/robot/load_parts.h"
+#include "sim_board/robot/sdf_version.h"
 
 namespace koboshi::sim {
 namespace {
@@ -29,10 +27,9 @@ SurfaceDescription load_surface(const XmlNode& node) {
   return surface;
 }
 
-BoxDescription load_collision(const sdf::Collision& collision, const XmlNode& node,
-                              const std::string& link_name) {
-  return {.name = collision.Name(),
-          .X_LG = resolve_pose(collision.SemanticPose(), link_name, node),
+BoxDescription load_collision(const XmlNode& node, const ModelFrames& frames, const std::string& link) {
+  return {.name = node.attribute("name"),
+          .X_LG = frames.part_pose(node, link).isometry(),
           .size_m = vector_of(node.child("geometry").child("box").child("size")),
           .surface = load_surface(node.child("surface")),
           .colour = std::nullopt};
@@ -55,18 +52,18 @@ std::optional<ColourDescription> load_colour(const XmlNode& visual) {
                            static_cast<float>(values[2])};
 }
 
-void load_visual(const sdf::Visual& visual, const XmlNode& node, const std::filesystem::path& folder,
+void load_visual(const XmlNode& node, const ModelFrames& frames, const std::filesystem::path& folder,
                  LinkDescription& link) {
-  const Eigen::Isometry3d X_LG = resolve_pose(visual.SemanticPose(), link.name, node);
+  const Eigen::Isometry3d X_LG = frames.part_pose(node, link.name).isometry();
   const XmlNode geometry = node.child("geometry");
   if (const auto mesh = geometry.find("mesh")) {
     MeshDescription loaded = load_mesh(*mesh, folder);
-    loaded.name = visual.Name();
+    loaded.name = node.attribute("name");
     loaded.X_LG = X_LG;
     loaded.colour = load_colour(node);
     link.meshes.push_back(std::move(loaded));
   } else {
-    link.visual_boxes.push_back({.name = visual.Name(),
+    link.visual_boxes.push_back({.name = node.attribute("name"),
                                  .X_LG = X_LG,
                                  .size_m = vector_of(geometry.child("box").child("size")),
                                  .surface = {},
@@ -74,34 +71,36 @@ void load_visual(const sdf::Visual& visual, const XmlNode& node, const std::file
   }
 }
 
+void load_inertial(const XmlNode& node, LinkDescription& link) {
+  const auto pose = node.find("pose");
+  const FramePose X_LI = pose ? FramePose::from_numbers(pose->numbers()) : FramePose();
+  link.mass_kg = node.number("mass");
+  link.mass_line = node.child("mass").line();
+  link.p_LCom_L = X_LI.position;
+  link.I_LCom_L = rotated_inertia(X_LI.rotation, inertia_matrix(node.child("inertia")));
+}
+
 }  // namespace
 
-LinkDescription load_link(const sdf::Link& link, const XmlNode& node, const std::filesystem::path& folder) {
+Eigen::Matrix3d inertia_matrix(const XmlNode& node) {
+  const double ixy = node.number("ixy", 0.0);
+  const double ixz = node.number("ixz", 0.0);
+  const double iyz = node.number("iyz", 0.0);
+  Eigen::Matrix3d inertia;
+  inertia << node.number("ixx"), ixy, ixz, ixy, node.number("iyy"), iyz, ixz, iyz, node.number("izz");
+  return inertia;
+}
+
+LinkDescription load_link(const XmlNode& node, const ModelFrames& frames,
+                          const std::filesystem::path& folder) {
   LinkDescription description;
-  description.name = link.Name();
+  description.name = node.attribute("name");
   description.line = node.line();
-  description.X_ML = resolve_pose(link.SemanticPose(), "__model__", node);
-
-  const auto& inertial = link.Inertial();
-  description.mass_kg = inertial.MassMatrix().Mass();
-  description.mass_line = node.child("inertial").child("mass").line();
-  description.p_LCom_L = to_isometry(inertial.Pose()).translation();
-  const auto inertia = inertial.Moi();  // about the centre of mass, in the link's axes
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      description.I_LCom_L(row, column) =
-          inertia(static_cast<std::size_t>(row), static_cast<std::size_t>(column));
-    }
-  }
-
-  for (const XmlNode& collision : node.children("collision")) {
-    description.collisions.push_back(
-        load_collision(found_part(link.CollisionByName(collision.attribute("name")), collision), collision,
-                       description.name));
-  }
-  for (const XmlNode& visual : node.children("visual")) {
-    load_visual(found_part(link.VisualByName(visual.attribute("name")), visual), visual, folder, description);
-  }
+  description.X_ML = frames.pose(description.name, kModelFrame).isometry();
+  load_inertial(node.child("inertial"), description);
+  for (const XmlNode& collision : node.children("collision"))
+    description.collisions.push_back(load_collision(collision, frames, description.name));
+  for (const XmlNode& visual : node.children("visual")) load_visual(visual, frames, folder, description);
   return description;
 }
 

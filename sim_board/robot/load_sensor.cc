@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <sdf/Sensor.hh>
 
 #include "sim_board/robot/load_parts.h"
 
@@ -39,40 +38,36 @@ double height_above_sole_m(const LinkDescription& link, const Eigen::Isometry3d&
 
 }  // namespace
 
-void load_imus(const sdf::Link& link, const XmlNode& link_node, RobotDescription& robot) {
+void load_imus(const XmlNode& link_node, const ModelFrames& frames, RobotDescription& robot) {
+  const std::string link = link_node.attribute("name");
   for (const XmlNode& node : link_node.children("sensor")) {
-    const sdf::Sensor& sensor = found_part(link.SensorByName(node.attribute("name")), node);
-    robot.imu = ImuDescription{.name = sensor.Name(),
+    robot.imu = ImuDescription{.name = node.attribute("name"),
                                .line = node.line(),
-                               .link = found_link(robot, link_node, link.Name()),
-                               .X_LS = resolve_pose(sensor.SemanticPose(), link.Name(), node),
+                               .link = robot.find_link(link).value(),
+                               .X_LS = frames.part_pose(node, link).isometry(),
                                .gyro = load_channel(node, "koboshi:gyro"),
                                .accelerometer = load_channel(node, "koboshi:accelerometer"),
                                .g_sensitivity = node.child("koboshi:gyro").number("g_sensitivity", 0.0)};
   }
 }
 
-void load_ankle_sensors(const sdf::Joint& joint, const XmlNode& joint_node, RobotDescription& robot) {
+void load_ankle_sensors(const XmlNode& joint_node, const ModelFrames& frames, RobotDescription& robot) {
+  const std::string joint = joint_node.attribute("name");
   for (const XmlNode& node : joint_node.children("sensor")) {
     const std::string name = node.attribute("name");
-    auto& slot = name == "left_ankle" ? robot.left_ankle : robot.right_ankle;
-    const auto found = robot.find_joint(joint.Name());
-    if (!found) throw unknown_to_libsdformat(joint_node);
-    const int joint_index = *found;
-    const int foot_index = robot.joints[static_cast<std::size_t>(joint_index)].child;
-    const LinkDescription& foot = robot.links[static_cast<std::size_t>(foot_index)];
+    const LinkDescription& foot =
+        robot.links[static_cast<std::size_t>(found_link(robot, joint_node.child("child"), frames))];
+    const auto pose = node.find("pose");  // in the joint's frame
+    const FramePose X_JS = pose ? FramePose::from_numbers(pose->numbers()) : FramePose();
     AnkleSensorDescription sensor{.name = name,
                                   .line = node.line(),
-                                  .joint = joint_index,
-                                  // libsdformat 12 does not resolve the frame of a joint's sensor: its pose
-                                  // is relative to the joint's frame.
-                                  .X_LS = resolve_pose(joint.SemanticPose(), foot.name, node) *
-                                          to_isometry(found_part(joint.SensorByName(name), node).RawPose()),
+                                  .joint = robot.find_joint(joint).value(),
+                                  .X_LS = frames.pose(joint, foot.name).isometry() * X_JS.isometry(),
                                   .force = load_channel(node, "koboshi:force"),
                                   .torque = load_channel(node, "koboshi:torque"),
                                   .crosstalk = node.number("koboshi:crosstalk", 0.0)};
     sensor.height_above_sole_m = height_above_sole_m(foot, sensor.X_LS);
-    slot = sensor;
+    (name == "left_ankle" ? robot.left_ankle : robot.right_ankle) = sensor;
   }
 }
 

@@ -100,7 +100,12 @@ void add_types(const XmlNode& parent, ServoTypes& types) {
 
 }  // namespace
 
-ServoTypes load_servo_types(const XmlNode& model_node, const std::filesystem::path& folder) {
+const XmlFile& ServoLibraries::open(const std::filesystem::path& file) {
+  return files_.try_emplace(file, file, servo_library_rule()).first->second;
+}
+
+ServoTypes load_servo_types(const XmlNode& model_node, const std::filesystem::path& folder,
+                            ServoLibraries& libraries) {
   ServoTypes types;
   add_types(model_node, types);
   for (const XmlNode& node : model_node.children("koboshi:servo_types")) {
@@ -110,7 +115,7 @@ ServoTypes load_servo_types(const XmlNode& model_node, const std::filesystem::pa
       throw node.error("file = " + one_line(node.attribute("file")),
                        "a library of servo types that exists, relative to this file's folder");
     }
-    add_types(XmlFile(file, servo_library_rule()).root(), types);
+    add_types(libraries.open(file).root(), types);
   }
   return types;
 }
@@ -122,7 +127,8 @@ ServoTypes read_servo_types(const std::filesystem::path& file) {
     return types;
   }
   const XmlFile robot(file, sdf_rule());
-  return load_servo_types(robot.root().child("model"), file.parent_path());
+  ServoLibraries libraries;
+  return load_servo_types(robot.root().child("model"), file.parent_path(), libraries);
 }
 
 }  // namespace koboshi::sim

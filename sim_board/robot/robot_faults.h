@@ -8,15 +8,19 @@
 
 namespace koboshi::sim {
 
+class ServoLibraries;
+
 // What a robot's file may contain that its schema permits and no simulation can.
 enum class RobotFaultKind {
   kName,       // a name that is used twice, or that SDF refuses
-  kReference,  // to a link, joint, servo type or library that is not there
+  kVersion,    // a key of another version of SDF
+  kReference,  // to a link, joint, frame, servo type or library that is not there
   kInertia,    // of no rigid body
   kAxis,       // not a unit vector
   kLimits,     // lower not below upper
   kShaft,      // beyond the turn of its encoder
   kNodeId,     // used twice
+  kFrameRing,  // frames that refer to each other in a ring
   kTree,       // joints that form no tree of all links
   kMesh,       // a file that is missing
   kShape,      // a visual with none or several, a direction of friction that is zero
@@ -40,5 +44,8 @@ struct RobotFault {
 // number. Paths are relative to `folder`.
 std::vector<RobotFault> find_robot_faults(const XmlNode& model, const std::filesystem::path& folder,
                                           const std::vector<XmlNode>& broken = {});
+// The same, with libraries that the caller goes on to read.
+std::vector<RobotFault> find_robot_faults(const XmlNode& model, const std::filesystem::path& folder,
+                                          const std::vector<XmlNode>& broken, ServoLibraries& libraries);
 
 }  // namespace koboshi::sim

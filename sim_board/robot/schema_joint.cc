@@ -15,7 +15,8 @@ XmlRule axis() {
                    {"1", "", "unit vector along the axis, about which the joint turns right-handed", kSdf});
   xyz.attributes = {text_attribute(
       "expressed_in", false,
-      {.meaning = "name of the link or joint in whose axes the vector is given; without it, the joint's own",
+      {.meaning =
+           "name of the link, joint or frame in whose axes the vector is given; without it, the joint's own",
        .source = kSdf})};
   return group_rule(
       "axis", kRequired, {.meaning = "axis and range of the joint", .source = kSdf},
@@ -25,7 +26,12 @@ XmlRule axis() {
                                {"rad", "", "lower end of the range, below the upper one", kSdf}),
                    number_rule("upper", kRequired, kLimit_rad, {"rad", "", "upper end of the range", kSdf}),
                    number_rule("velocity", kRequired, {.min = 1e-3, .max = 1000},
-                               {"rad/s", "", "largest speed", kSdf})})});
+                               {"rad/s", "", "largest speed", kSdf})}),
+       text_rule("use_parent_model_frame", kOptional,
+                 {.fallback = "false",
+                  .meaning = "expressed_in=\"__model__\" in files of SDF 1.5 and 1.6",
+                  .source = "SDF 1.6"},
+                 {"true", "false", "1", "0", "True", "False", "TRUE", "FALSE"})});
 }
 
 XmlRule servo() {
@@ -79,12 +85,16 @@ XmlRule joint_rule() {
   return group_rule(
       "joint", kRepeated,
       {.meaning = "a hinge between two links; the joints form one tree of all links", .source = kSdf},
-      {pose_rule("the child link's frame"),
-       text_rule("parent", kRequired, {.meaning = "name of the link on the trunk's side", .source = kSdf}),
-       text_rule("child", kRequired, {.meaning = "name of the link that the joint moves", .source = kSdf}),
+      {pose_rule("the frame that child names"),
+       text_rule("parent", kRequired,
+                 {.meaning = "name of the link on the trunk's side, or of a frame that is attached to it",
+                  .source = kSdf}),
+       text_rule("child", kRequired,
+                 {.meaning = "name of the link that the joint moves, or of a frame that is attached to it",
+                  .source = kSdf}),
        axis(), servo(), encoder(), drive(), force_torque_rule()},
       {name_attribute(
-           "name of the joint, unique among links and joints; `left_` and `right_` mark the sides"),
+           "name of the joint, unique among links, joints and frames; `left_` and `right_` mark the sides"),
        text_attribute("type", true, {.meaning = "kind of joint", .source = kSdf}, {"revolute"})});
 }
 

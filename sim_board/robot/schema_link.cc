@@ -1,4 +1,4 @@
-// The keys of a link: inertia, collisions, visuals.
+// The keys of frames and links: inertia, collisions, visuals.
 
 #include "sim_board/robot/schema_rules.h"
 
@@ -122,6 +122,17 @@ XmlRule geometry(std::string meaning, std::vector<XmlRule> shapes) {
 
 }  // namespace
 
+XmlRule frame_rule() {
+  return group_rule(
+      "frame", kRepeated, {.meaning = "a frame, to which poses and joints may refer", .source = kSdf},
+      {pose_rule("the frame of attached_to, the model's without it")},
+      {name_attribute("name of the frame, unique among links, joints and frames"),
+       text_attribute("attached_to", false,
+                      {.meaning = "name of the link, joint or frame with which it moves; without it, the "
+                                  "canonical link",
+                       .source = kSdf})});
+}
+
 XmlRule link_rule() {
   return group_rule(
       "link", kRepeated,
@@ -137,7 +148,7 @@ XmlRule link_rule() {
                   {name_attribute("name of the visual, unique in the link")}),
        imu_rule()},
       {name_attribute(
-          "name of the link, unique among links and joints; `left_` and `right_` mark the sides")});
+          "name of the link, unique among links, joints and frames; `left_` and `right_` mark the sides")});
 }
 
 }  // namespace koboshi::sim

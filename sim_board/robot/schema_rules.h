@@ -19,6 +19,9 @@ inline const std::string kSensorPage = "sensors.md";
 inline const std::string kNoiseStandard = "sensors.md; IEEE Std 952-1997, annex C";
 inline const std::string kCanopen = "CiA 301, object 1018h";
 
+// The versions that the reader understands (sdf_version.h).
+inline const std::vector<std::string> kSdfVersions{"1.5", "1.6", "1.7", "1.8", "1.9"};
+
 inline constexpr NumberRange kFractionRange{.min = 0, .max = 1};
 inline constexpr NumberRange kNotNegativeRange{.min = 0};
 // Bound of relative errors: a sensor with a larger error is broken.
@@ -99,12 +102,16 @@ inline XmlRule fixed_pose_rule(const std::string& frame) {
 // The same, with an attribute that names another frame.
 inline XmlRule pose_rule(const std::string& frame) {
   XmlRule rule = fixed_pose_rule(frame);
-  rule.attributes = {text_attribute(
-      "relative_to", false,
-      {.meaning = "name of the link or joint in whose frame the pose is given instead", .source = kSdf})};
+  rule.attributes = {
+      text_attribute("relative_to", false,
+                     {.meaning = "name of the link, joint or frame in whose axes the pose is given instead",
+                      .source = kSdf}),
+      text_attribute("frame", false,
+                     {.meaning = "relative_to in files of SDF 1.5 and 1.6", .source = "SDF 1.6"})};
   return rule;
 }
 
+XmlRule frame_rule();
 XmlRule link_rule();
 XmlRule joint_rule();
 XmlRule imu_rule();           // a link's sensor

@@ -33,16 +33,36 @@ XmlRule servo_library() {
           {.meaning = "the library, relative to the folder of the robot's file", .source = kServoPage})});
 }
 
+// Where the robot stands is a matter of the scenario.
+XmlRule model_pose() {
+  XmlRule rule = fixed_pose_rule("the world");
+  rule.note.fallback = "";
+  rule.note.meaning = "accepted without effect: a scenario puts the robot in its place";
+  return rule;
+}
+
+XmlRule model_rule() {
+  return group_rule(
+      "model", kRequired, {.meaning = "the robot", .source = kSdf},
+      {servo_library(), servo_type_rule(), battery(), link_rule(), joint_rule(), frame_rule(), model_pose()},
+      {name_attribute("name of the robot"),
+       text_attribute("canonical_link", false,
+                      {.meaning = "name of the link to which the model's frame is attached; without it, the "
+                                  "first one",
+                       .source = kSdf}),
+       text_attribute("placement_frame", false,
+                      {.meaning = "name of the link, joint or frame that the model's pose places; without "
+                                  "effect, as that pose",
+                       .source = kSdf})});
+}
+
 }  // namespace
 
 const XmlRule& sdf_rule() {
-  static const XmlRule rule =
-      group_rule("sdf", kOptional, {.meaning = "root of the file", .source = kSdf},
-                 {group_rule("model", kRequired, {.meaning = "the robot", .source = kSdf},
-                             {servo_library(), servo_type_rule(), battery(), link_rule(), joint_rule()},
-                             {name_attribute("name of the robot")})},
-                 {text_attribute("version", true, {.meaning = "version of SDF", .source = kSdf}, {"1.9"}),
-                  name_space()});
+  static const XmlRule rule = group_rule(
+      "sdf", kOptional, {.meaning = "root of the file", .source = kSdf}, {model_rule()},
+      {text_attribute("version", true, {.meaning = "version of SDF", .source = kSdf}, kSdfVersions),
+       name_space()});
   return rule;
 }
 

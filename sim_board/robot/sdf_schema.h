@@ -10,8 +10,8 @@ namespace koboshi::sim {
 // Name space of the koboshi: elements. It is no address.
 inline constexpr const char* kKoboshiNamespace = "https://koboshi.invalid/sdf";
 
-// Rule for the subset of SDF 1.9 that a robot may use, plus the koboshi: elements. Elements without a rule
-// are errors, because they would have no effect on the simulation.
+// Rule for the subset of SDF 1.5 to 1.9 that a robot may use, plus the koboshi: elements. Elements without a
+// rule are errors, because they would have no effect on the simulation.
 const XmlRule& sdf_rule();
 // Rule for a library of servo types, which robot files can import (robots/servos).
 const XmlRule& servo_library_rule();

@@ -53,7 +53,7 @@ void find_sensor_faults(const XmlNode& sensor, FaultList& faults) {
     if (const auto channel = sensor.find(name)) find_count_faults(*channel, faults);
 }
 
-void find_sensor_set_faults(const XmlNode& model, FaultList& faults) {
+void find_sensor_set_faults(const XmlNode& model, const ModelFrames& frames, FaultList& faults) {
   bool has_imu = false;
   std::map<std::string, bool> has_box;  // by link
   for (const XmlNode& link : model.children("link")) {
@@ -69,7 +69,7 @@ void find_sensor_set_faults(const XmlNode& model, FaultList& faults) {
       const std::string name = sensor.attribute("name");
       if (has_ankle[name]) faults.add(RobotFaultKind::kSensor, sensor, "a second sensor " + name, "one");
       has_ankle[name] = true;
-      const std::string foot = joint.child("child").text();
+      const std::string foot = frames.link_of(joint.child("child").text());
       if (!has_box[foot])
         faults.add(RobotFaultKind::kSensor, sensor, "an ankle sensor above link " + foot + " without a box",
                    "a sole");

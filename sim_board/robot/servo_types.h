@@ -4,11 +4,22 @@
 #include <map>
 #include <string>
 
+#include "sim_board/input/xml_reader.h"
 #include "sim_board/robot/description.h"
 
 namespace koboshi::sim {
 
 using ServoTypes = std::map<std::string, ServoDescription>;
+
+// The libraries of servo types that a robot's file includes. Each is read and parsed once.
+class ServoLibraries {
+ public:
+  // Throws InputError if the file cannot be read or violates its schema.
+  const XmlFile& open(const std::filesystem::path& file);
+
+ private:
+  std::map<std::filesystem::path, XmlFile> files_;
+};
 
 // Reads the servo types of a file, by name: those that a robot file (SDF) defines or imports, or those of a
 // library such as robots/servos/bam.xml. Throws InputError with the line.

@@ -43,11 +43,11 @@ void find_rings(const XmlNode& model, const Parents& parents, const std::string&
 
 }  // namespace
 
-void find_tree_faults(const XmlNode& model, FaultList& faults) {
+void find_tree_faults(const XmlNode& model, const ModelFrames& frames, FaultList& faults) {
   Parents parents;
   for (const XmlNode& joint : model.children("joint")) {
-    const std::string child = joint.child("child").text();
-    if (!parents.emplace(child, joint.child("parent").text()).second)
+    const std::string child = frames.link_of(joint.child("child").text());
+    if (!parents.emplace(child, frames.link_of(joint.child("parent").text())).second)
       faults.add(RobotFaultKind::kTree, joint, "a second joint that moves link " + child, "one joint a link");
   }
   const std::string base = find_base(model, parents, faults);

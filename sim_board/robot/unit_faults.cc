@@ -10,6 +10,7 @@
 #include "sim_board/input/text.h"
 #include "sim_board/input/units.h"
 #include "sim_board/robot/fault_list.h"
+#include "sim_board/robot/sdf_version.h"
 
 namespace koboshi::sim {
 namespace {
@@ -40,7 +41,7 @@ Eigen::AlignedBox3d extent_of(const XmlNode& link) {
       const auto box = shape.child("geometry").find("box");
       const auto pose = shape.find("pose");
       if (!box) continue;
-      if (pose && pose->find_attribute("relative_to")) return {};
+      if (pose && find_pose_frame(*pose)) return {};
       const std::vector<double> size = box->child("size").numbers();
       const Eigen::AlignedBox3d own(Eigen::Vector3d(-size[0], -size[1], -size[2]) / 2,
                                     Eigen::Vector3d(size[0], size[1], size[2]) / 2);
@@ -151,6 +152,8 @@ void find_unit_faults(const XmlNode& model, FaultList& faults) {
     check_pose(joint, joint.attribute("name"), reach_m, check);
     check_joint(joint, check);
   }
+  for (const XmlNode& frame : faults.sound_children(model, "frame"))
+    check_pose(frame, frame.attribute("name"), reach_m, check);
 }
 
 }  // namespace koboshi::sim

@@ -30,7 +30,7 @@ BAD = {
     "a fraction for an integer": ('node_id="16"', 'node_id="16.5"', "16.5"),
     "an integer out of range": ('node_id="16"', 'node_id="128"', "128"),
     "a node id twice": ('node_id="16"', 'node_id="17"', "node_ids"),
-    "another version": ('version="1.9"', 'version="1.6"', "1.6"),
+    "another version": ('version="1.9"', 'version="1.4"', "1.4"),
     "another kind of joint": ('type="revolute"', 'type="prismatic"', "prismatic"),
     "another side": ('"left_ankle" type', '"west_ankle" type', "west_ankle"),
     "a link that is not there": ("<parent>trunk</parent>", "<parent>trunc</parent>", "parent_links"),

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <optional>
 
 #include "tools/lab/trial/trial_recordings.h"
@@ -12,14 +11,6 @@
 
 namespace koboshi::tools {
 namespace {
-
-// libsdformat keeps tables of its own while it reads a file.
-std::unique_ptr<simulation::Simulation> make_simulation(const sim::Scenario& scenario,
-                                                        const simulation::RobotChange& change) {
-  static std::mutex reading;
-  const std::lock_guard lock(reading);
-  return std::make_unique<simulation::Simulation>(scenario, simulation::in_process(), change);
-}
 
 // The firmware's reason for having stopped, worst first.
 void follow_state(const simulation::Telemetry& telemetry, Outcome& outcome) {
@@ -34,7 +25,8 @@ void follow_state(const simulation::Telemetry& telemetry, Outcome& outcome) {
 
 ScenarioTrial watch_scenario(const sim::Scenario& scenario, const simulation::RobotChange& change,
                              const Watch& is_over) {
-  const std::unique_ptr<simulation::Simulation> simulation = make_simulation(scenario, change);
+  const auto simulation =
+      std::make_unique<simulation::Simulation>(scenario, simulation::in_process(), change);
   std::optional<view::RunRecording> recording;
   if (TrialRecordings* recordings = TrialRecordings::of_this_thread())
     recording.emplace(recordings->next_file(), *simulation, view::RunRecording::Options{});

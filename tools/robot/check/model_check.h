@@ -40,8 +40,7 @@ class ModelChecker {
   // Finds everything for which the reader would refuse the text, and what a robot should not have. Paths in
   // it are relative to `file`, which need not exist.
   [[nodiscard]] ModelReport check(const std::filesystem::path& file, const std::string& text);
-  // The same for a text from which the caller has loaded the robot: a few milliseconds instead of those of
-  // libsdformat.
+  // The same for a text from which the caller has loaded the robot, which saves a second reading.
   [[nodiscard]] ModelReport check(const std::filesystem::path& file, const std::string& text,
                                   sim::RobotDescription robot);
 

@@ -1,4 +1,5 @@
-// Findings and repairs of faults that a file has within its schema: R012 to R015, R020 to R027, R030.
+// Findings and repairs of faults that a file has within its schema: R001, R012 to R015, R017, R020 to
+// R027, R030.
 
 #include <array>
 #include <cmath>
@@ -25,6 +26,8 @@ constexpr std::array<std::pair<int, int>, 6> kCells{{{0, 0}, {1, 1}, {2, 2}, {0,
 
 std::string code_of(RobotFaultKind kind) {
   switch (kind) {
+    case RobotFaultKind::kFrameRing:
+      return "R001";
     case RobotFaultKind::kInertia:
       return "R012";
     case RobotFaultKind::kLimits:
@@ -33,6 +36,8 @@ std::string code_of(RobotFaultKind kind) {
       return "R014";
     case RobotFaultKind::kMesh:
       return "R015";
+    case RobotFaultKind::kVersion:
+      return "R017";
     case RobotFaultKind::kName:
       return "R020";
     case RobotFaultKind::kReference:
@@ -137,8 +142,13 @@ void repair_mesh(const XmlNode& uri, const std::filesystem::path& folder, Repair
 // Names that a reference may have.
 std::vector<std::string> names_for(const RobotFault& fault) {
   std::vector<std::string> kinds{"link"};
-  if (fault.attribute == "type") kinds = {"koboshi:servo_type"};
-  if (fault.attribute == "relative_to" || fault.attribute == "expressed_in") kinds.emplace_back("joint");
+  if (fault.attribute == "type") {
+    kinds = {"koboshi:servo_type"};
+  } else if (fault.attribute.empty()) {  // <parent> and <child>
+    kinds.emplace_back("frame");
+  } else if (fault.attribute != "canonical_link") {
+    kinds.insert(kinds.end(), {"joint", "frame"});
+  }
   std::vector<std::string> names;
   for (const std::string& kind : kinds)
     for (const XmlNode& node : model_of(fault.node).children(kind))
@@ -175,7 +185,8 @@ void repair_name(const XmlNode& node, Repair& repair) {
   const bool has_separator = name.find("::") != std::string::npos;
   for (std::size_t at = 0; (at = name.find("::")) != std::string::npos;) name.replace(at, 2, "_");
   if (!has_separator) name += "_2";
-  repair.finding.repair = fmt::format("Rename {}, such as {}.", has_separator ? "it" : "one of them", name);
+  const bool is_second = repair.finding.found.starts_with("a second ");
+  repair.finding.repair = fmt::format("Rename {}, such as {}.", is_second ? "one of them" : "it", name);
   if (node.name() == "collision" || node.name() == "visual")
     repair.changes = {{Kind::kAttribute, node, "name", name}};
 }
@@ -239,6 +250,10 @@ void make_repair(const RobotFault& fault, const std::filesystem::path& folder, R
   switch (fault.kind) {
     case RobotFaultKind::kName:
       return repair_name(fault.node, repair);
+    case RobotFaultKind::kVersion:
+      repair.finding.repair =
+          fault.expected == "one of the two" ? "Remove one of the two." : "Write " + fault.expected + ".";
+      return;
     case RobotFaultKind::kReference:
       return repair_reference(fault, folder, repair);
     case RobotFaultKind::kInertia:
@@ -263,6 +278,9 @@ void make_repair(const RobotFault& fault, const std::filesystem::path& folder, R
       return repair_sensor(fault.node, repair);
     case RobotFaultKind::kUnit:
       repair.finding.repair = "Write the value in the unit of the file.";
+      return;
+    case RobotFaultKind::kFrameRing:
+      repair.finding.repair = "Let one of them refer to a frame outside of the ring.";
   }
 }
 

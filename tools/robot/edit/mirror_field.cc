@@ -22,7 +22,7 @@ enum class Image {
   kLimit,     // of a joint: that of the other end if it turns the other way
   kZero,      // angle of a drive's shaft
   kSign,      // direction of a drive's shaft
-  kName,      // of a link or joint
+  kName,      // of a link, joint or frame
   kNone       // each has its own
 };
 
@@ -40,6 +40,7 @@ constexpr std::array kImages = {
     ImageOf{"child", Image::kName},         ImageOf{"relative_to", Image::kName},
     ImageOf{"expressed_in", Image::kName},  ImageOf{"node_id", Image::kNone},
     ImageOf{"serial_number", Image::kNone}, ImageOf{"offset_rad", Image::kNone},
+    ImageOf{"frame", Image::kName},         ImageOf{"attached_to", Image::kName},
 };
 
 Image image_of(const ModelField& field) {

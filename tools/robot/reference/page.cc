@@ -33,15 +33,18 @@ constexpr std::array kSections{
     PageSection{"link/sensor", "Inertial unit",
                 "[Sensors](sensors.md) has the signal chain. The densities come from the data sheet."},
     PageSection{"joint", "Joint", "[Frames](../design/frames.md) has joint zero and the signs."},
+    PageSection{"frame", "Frame",
+                "A frame is a place with a name, such as a mounting point. Frames may be nested: one may be "
+                "attached to\nanother, or have its pose in another's axes."},
     PageSection{"joint/sensor", "Ankle sensor", "The force/torque sensor of a joint whose child is a foot."},
 };
 
 constexpr std::string_view kIntroduction = R"(# Robot file
 
-This page lists every key of a robot's file, with unit, values, default and meaning. The file is SDF
-1.9 without a name space, and what SDF lacks is in `koboshi:` elements. `robots/koboshi/robot.sdf` is
-an example. `koboshi model reference write` generates this page and the schemas below from the table
-by which the reader checks a file.
+This page lists every key of a robot's file, with unit, values, default and meaning. The file is SDF,
+of a version from 1.5 to 1.9, without a name space, and what SDF lacks is in `koboshi:` elements.
+`robots/koboshi/robot.sdf` is an example. `koboshi model reference write` generates this page and the
+schemas below from the table by which the reader checks a file.
 
 - Units are SI units and radians. Frames: x forward, y left, z up ([frames](../design/frames.md)).
 - The text is UTF-8. A text value (a name, a reference, a path) has no control characters, and no white
@@ -54,6 +57,9 @@ by which the reader checks a file.
   attribute.
 - Default: the value of a missing key. *Required* keys must be there, *any number* may repeat or be
   missing; for *optional* keys the meaning states what holds without them.
+- References to frames follow SDF 1.9: a name is that of a link, joint or frame, and `__model__` is the
+  model's own frame. A key that the meaning restricts to SDF 1.5 and 1.6 is an error in later versions
+  ([decision 22](../decision/0022-robot-files-without-libsdformat.md)).
 - Source: the document that defines the quantity; `.md` pages are in this folder or in `../design`.
 
 Editors and `xmllint` check a file as you write it by [robot.xsd](robot.xsd), which imports
@@ -73,14 +79,17 @@ std::string cell(std::string text) {
   return text;
 }
 
+// "`1` or `-1`".
+std::string quoted_alternatives(const std::vector<std::string>& choices) {
+  std::vector<std::string> quoted;
+  for (const std::string& choice : choices) quoted.push_back("`" + choice + "`");
+  return sim::join_alternatives(quoted);
+}
+
 // "1e-06 to 1000", "3 times -1 to 1", "`imu`".
 std::string values_text(const RobotKey& key) {
   if (key.content == sim::XmlContent::kAnything) return "any";
-  if (!key.choices.empty()) {
-    std::vector<std::string> quoted;
-    for (const std::string& choice : key.choices) quoted.push_back("`" + choice + "`");
-    return sim::join_alternatives(quoted);
-  }
+  if (!key.choices.empty()) return quoted_alternatives(key.choices);
   std::string text = sim::describe_values(key);
   for (const std::string_view noise : {"a number from ", "a number of ", "a whole number from "}) {
     const std::size_t place = text.find(noise);
@@ -129,7 +138,7 @@ std::string robot_page_text() {
   text += "\n## File\n\n| key | values | default | meaning |\n| --- | --- | --- | --- |\n";
   for (const sim::XmlAttributeRule& attribute : sdf.attributes)
     text += fmt::format("| `sdf@{}` | {} | {} | {} |\n", attribute.name,
-                        attribute.choices.empty() ? "a text" : "`" + attribute.choices.front() + "`",
+                        attribute.choices.empty() ? "a text" : quoted_alternatives(attribute.choices),
                         attribute.required ? "required" : "optional", attribute.note.meaning);
   for (const PageSection& section : kSections) text += section_text(section);
   return text;

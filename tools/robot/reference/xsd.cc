@@ -44,10 +44,10 @@ struct XsdReference {
 };
 
 constexpr std::array kReferences{
-    XsdReference{"model", "key", "frame_names", "link|joint", "@name", ""},
-    XsdReference{"model", "key", "link_names", "link", "@name", ""},
-    XsdReference{"model", "keyref", "parent_links", "joint/parent", ".", "link_names"},
-    XsdReference{"model", "keyref", "child_links", "joint/child", ".", "link_names"},
+    XsdReference{"model", "key", "frame_names", "link|joint|frame", "@name", ""},
+    XsdReference{"model", "key", "body_names", "link|frame", "@name", ""},
+    XsdReference{"model", "keyref", "parent_links", "joint/parent", ".", "body_names"},
+    XsdReference{"model", "keyref", "child_links", "joint/child", ".", "body_names"},
     XsdReference{"model", "unique", "one_joint_a_link", "joint/child", ".", ""},
     XsdReference{"model", "unique", "node_ids", "joint/koboshi:drive", "@node_id", ""},
     XsdReference{"model", "unique", "servo_type_names", "koboshi:servo_type", "@name", ""},

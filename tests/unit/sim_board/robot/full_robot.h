@@ -7,10 +7,14 @@
 namespace koboshi::sim {
 
 // A robot that has every key of the table (robot_keys.h) at least once, each optional one with another value
-// than its default. FULL_MESH stands for the path of a mesh.
+// than its default; without the older keys for which SDF 1.9 has others. FULL_MESH stands for the path of a
+// mesh.
 inline const std::string kFullRobot =
     R"(<sdf version="1.9" xmlns:koboshi="https://koboshi.invalid/sdf">
-  <model name="full">
+  <model name="full" canonical_link="base" placement_frame="mount">
+    <pose>0 0 0.1 0 0 0</pose>
+    <frame name="mount" attached_to="base"><pose relative_to="base">0 0 0.02 0 0 0.2</pose></frame>
+    <frame name="tip"><pose relative_to="mount">0 0 0.03 0 0 0</pose></frame>
     <koboshi:servo_types file="FULL_LIBRARY"/>
     <koboshi:servo_type name="small">
 )" + kServoNumbers +
@@ -23,7 +27,7 @@ inline const std::string kFullRobot =
     </koboshi:servo_type>
     <koboshi:battery open_circuit_V="7.8" internal_resistance_ohm="0.05"/>
     <link name="foot">
-      <pose relative_to="base">0 0 -0.1 0 0 0.1</pose>
+      <pose relative_to="mount">0 0 -0.12 0 0 0.1</pose>
       <inertial>
         <pose>0 0 0.05 0.1 0 0</pose>
         <mass>0.1</mass>
@@ -55,14 +59,23 @@ inline const std::string kFullRobot =
       </visual>
     </link>
     <link name="base">
-      <pose>0 0 0.3 0 0 0</pose>
+      <pose relative_to="__model__">0 0 0.3 0 0 0</pose>
       <inertial>
         <mass>0.2</mass>
         <inertia><ixx>1e-4</ixx><iyy>1e-4</iyy><izz>1e-4</izz></inertia>
       </inertial>
       <visual name="case">
+        <pose relative_to="mount">0 0 0.01 0 0 0</pose>
         <geometry><box><size>0.1 0.2 0.3</size></box></geometry>
       </visual>
+      <collision name="guard">
+        <pose relative_to="tip">0 0 0.01 0 0 0</pose>
+        <geometry><box><size>0.1 0.2 0.3</size></box></geometry>
+        <surface>
+          <friction><ode><mu>0.7</mu></ode></friction>
+          <contact><ode><soft_cfm>2e-5</soft_cfm><soft_erp>0.4</soft_erp></ode></contact>
+        </surface>
+      </collision>
       <sensor name="imu" type="imu">
         <pose relative_to="base">0.01 0 0 0 0 0.4</pose>
         <update_rate>1000</update_rate>

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <tinyxml2.h>
 
+#include <array>
 #include <cmath>
 #include <set>
 #include <string>
@@ -23,10 +24,26 @@ namespace {
 using testing::HasSubstr;
 using tinyxml2::XMLElement;
 
+// kFullRobot in SDF 1.6, with the older keys.
+std::string older_full_robot() {
+  std::string text = replaced(kFullRobot, "version=\"1.9\"", "version=\"1.6\"");
+  text = replaced(text, " expressed_in=\"base\"", "");
+  text = replaced(text, "</axis>", "<use_parent_model_frame>true</use_parent_model_frame></axis>");
+  while (text.find(" relative_to=") != std::string::npos) text = replaced(text, " relative_to=", " frame=");
+  return text;
+}
+
+// Whether later versions of SDF have another key instead.
+bool is_older(const RobotKey& key) { return key.note.source == "SDF 1.6"; }
+
 // kFullRobot with edits of keys that are given by their path in the table.
 class KeyedRobot {
  public:
-  KeyedRobot() { document_.Parse(original().c_str()); }
+  // `is_older`: the robot with the older keys.
+  explicit KeyedRobot(bool is_older = false) {
+    static const std::array kOriginals{original(kFullRobot), original(older_full_robot())};
+    document_.Parse(kOriginals[is_older ? 1 : 0].c_str());
+  }
 
   // The first element of the path, which may be in any of several parents; for an attribute, its element.
   XMLElement* find(const RobotKey& key) {
@@ -93,14 +110,13 @@ class KeyedRobot {
     return nullptr;
   }
 
-  // kFullRobot with its other files, which all robots of the program share.
-  static const std::string& original() {
+  // A robot with its other files, which all robots of the program share.
+  static std::string original(const std::string& robot) {
     static const ScratchFile mesh("stl", "");
     static const ScratchFile library("xml",
                                      "<koboshi:servo_types xmlns:koboshi=\"https://koboshi.invalid/sdf\"/>");
-    static const std::string text = replaced(replaced(kFullRobot, "FULL_MESH", mesh.path().string()),
-                                             "FULL_LIBRARY", library.path().string());
-    return text;
+    return replaced(replaced(robot, "FULL_MESH", mesh.path().string()), "FULL_LIBRARY",
+                    library.path().string());
   }
 
   tinyxml2::XMLDocument document_;
@@ -129,8 +145,10 @@ TEST(RobotKeys, SayWhatEachKeyIs) {
 }
 
 TEST(RobotKeys, AreAllInTheFullRobot) {
-  for (const RobotKey& key : robot_keys()) EXPECT_NE(KeyedRobot().find(key), nullptr) << key.path;
-  EXPECT_THAT(KeyedRobot().text(), HasSubstr("robot | full"));
+  for (const RobotKey& key : robot_keys())
+    EXPECT_NE(KeyedRobot(is_older(key)).find(key), nullptr) << key.path;
+  for (const bool is_older : {false, true})
+    EXPECT_THAT(KeyedRobot(is_older).text(), HasSubstr("robot | full"));
 }
 
 // A key's default, for its element in `robot`.
@@ -140,24 +158,28 @@ std::string default_of(KeyedRobot& robot, const RobotKey& key) {
 
 // The table says what the reader does without a key; the reader's own defaults are those of description.h.
 TEST(RobotKeys, HaveTheDefaultsOfTheReader) {
-  KeyedRobot without;
-  KeyedRobot with_defaults;
-  int defaults = 0;
-  for (const RobotKey& key : robot_keys()) {
-    if (key.note.fallback.empty()) continue;
-    with_defaults.set(key, default_of(with_defaults, key));
-    if (key.name == "pose") with_defaults.find(key)->DeleteAttribute("relative_to");
-    without.remove(key);
-    ++defaults;
+  for (const bool is_older_robot : {false, true}) {
+    KeyedRobot without(is_older_robot);
+    KeyedRobot with_defaults(is_older_robot);
+    int defaults = 0;
+    for (const RobotKey& key : robot_keys()) {
+      if (key.note.fallback.empty() || (is_older(key) && !is_older_robot)) continue;
+      with_defaults.set(key, default_of(with_defaults, key));
+      if (key.name == "pose")
+        for (const char* reference : {"relative_to", "frame"})
+          with_defaults.find(key)->DeleteAttribute(reference);
+      without.remove(key);
+      ++defaults;
+    }
+    EXPECT_GT(defaults, 50);
+    EXPECT_EQ(without.text(), with_defaults.text());
   }
-  EXPECT_GT(defaults, 50);
-  EXPECT_EQ(without.text(), with_defaults.text());
 }
 
 TEST(RobotKeys, AreOptionalAsTheTableSaysAndHaveAnEffect) {
-  const std::string full = KeyedRobot().text();
   for (const RobotKey& key : robot_keys()) {
-    KeyedRobot without;
+    KeyedRobot without(is_older(key));
+    const std::string full = without.text();
     without.remove(key);
     if (key.count == XmlCount::kRequired) {
       EXPECT_THAT(without.complaint(),
@@ -185,7 +207,7 @@ TEST(RobotKeys, HaveTheRangesOfTheReader) {
     if (key.range.max < NumberRange().max) bad.push_back(repeated_value(key, 1.1 * key.range.max));
     if (key.numbers > 1) bad.push_back("1 1");
     for (const std::string& value : bad) {
-      KeyedRobot robot;
+      KeyedRobot robot(is_older(key));
       robot.set(key, value);
       EXPECT_THAT(robot.complaint(), HasSubstr(" = " + value + ", expected " + describe_values(key)))
           << key.path;

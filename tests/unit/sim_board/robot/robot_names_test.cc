@@ -23,7 +23,7 @@ struct Place {
 
 std::vector<Place> places_in(const std::string& text) {
   static const std::regex kName(
-      R"re(\s(?:name|relative_to|expressed_in|type|file)=["']([^"']*)["']|<(?:parent|child|uri|frame|koboshi:material|measure_direction)>([^<]*)<)re");
+      R"re(\s(?:name|relative_to|expressed_in|attached_to|canonical_link|placement_frame|type|file)=["']([^"']*)["']|<(?:parent|child|uri|frame|koboshi:material|measure_direction)>([^<]*)<)re");
   std::vector<Place> places;
   for (std::sregex_iterator match(text.begin(), text.end(), kName); match != std::sregex_iterator();
        ++match) {
