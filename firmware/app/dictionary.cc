@@ -59,8 +59,8 @@ constexpr PdoConfiguration kTpdos[kTelemetryTpdos] = {
         4, {mapping(0x2011, 1, 16), mapping(0x2011, 2, 16), mapping(0x2011, 3, 16), mapping(0x2011, 4, 16)}),
     telemetry(
         5, {mapping(0x2011, 5, 16), mapping(0x2011, 6, 16), mapping(0x2011, 7, 16), mapping(0x2011, 8, 16)}),
-    telemetry(
-        6, {mapping(0x2011, 9, 16), mapping(0x2011, 10, 8), mapping(0x2011, 11, 16), mapping(0x2011, 12, 16)}),
+    telemetry(6, {mapping(0x2011, 9, 16), mapping(0x2011, 10, 8), mapping(0x2011, 11, 16),
+                  mapping(0x2011, 12, 16)}),
 };
 
 }  // namespace

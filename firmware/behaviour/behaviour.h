@@ -68,7 +68,7 @@ struct Decision {
   std::uint32_t softened = 0;                             // joints with less than full torque; bit i: joint i
   std::array<std::uint8_t, robot::kMaxJoints> stiffness_percent{};  // of these joints
   balance::FeedbackMode feedback = balance::FeedbackMode::kNone;
-  fixed::Angle planned_pitch;  // of the trunk, forward positive
+  fixed::Angle planned_pitch;                   // of the trunk, forward positive
   std::optional<walk::PlannedZmp> planned_zmp;  // of a walk, for the end of the cycle
   drive::Goal goal = drive::Goal::kTorqueOff;
   std::uint16_t goals = 0;           // number of goals set so far: setting the same goal again counts

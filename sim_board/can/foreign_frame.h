@@ -28,9 +28,9 @@ struct ForeignFrame {
 // Any frame on a bus.
 using BusFrame = std::variant<hal::CanFrame, ForeignFrame>;
 
-// Returns the bits of a classic frame with a 29-bit identifier from SOF to the last bit of EOF, including stuff
-// bits, as frame_bits.h does for others; 0 for any other foreign frame, whose length depends on the bit rates
-// of CAN FD, or which is none on the bus.
+// Returns the bits of a classic frame with a 29-bit identifier from SOF to the last bit of EOF, including
+// stuff bits, as frame_bits.h does for others; 0 for any other foreign frame, whose length depends on the bit
+// rates of CAN FD, or which is none on the bus.
 int frame_bits(const ForeignFrame& frame);
 
 }  // namespace koboshi::sim

@@ -22,7 +22,7 @@ InputError unknown_name(const SourcedName& name, const std::string& what,
 }
 
 template <typename T>
-const T& find_named(const std::vector<T>& items, const SourcedName& name, const std::string& what) {
+const T& find_named(const std::vector<T>& items, const SourcedName& name, const char* what) {
   const auto item = std::ranges::find(items, name.text, &T::name);
   if (item != items.end()) return *item;
   std::vector<std::string> known;

@@ -20,8 +20,9 @@ inline std::array<CLI::Option*, 3> add_transport_options(CLI::App& command, sim:
                       "segment, where every program can then command the robot")
           ->type_name("N")
           ->check(CLI::Range(0, 255).description("0 to 255")),
-      command.add_option("--interface", options.interface,
-                         "Network interface for UDP (default: the one that the routing table chooses)")
+      command
+          .add_option("--interface", options.interface,
+                      "Network interface for UDP (default: the one that the routing table chooses)")
           ->type_name("NAME")};
 }
 

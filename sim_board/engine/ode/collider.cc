@@ -276,15 +276,14 @@ FrictionGuess Collider::guess_friction(const Touch& touch, const Contact& contac
     nearest_m = distance_m;
     last_f_W = last.f_W;
   }
-  return better_guess(touch.friction, touch.solution(last_f_W, touch.v_W),
-                      touch.mass_kg() / options_.step_s);
+  return better_guess(touch.friction, touch.solution(last_f_W, touch.v_W), touch.mass_kg() / options_.step_s);
 }
 
 void Collider::make_joints() {
   dJointGroupEmpty(joints_.get());
   for (std::size_t i = 0; i < touches_.size(); ++i) {
-    const dContact contact = ode_contact(touches_[i], target_m_per_s(touches_[i].normal),
-                                         options_.stepper == Stepper::kQuick);
+    const dContact contact =
+        ode_contact(touches_[i], target_m_per_s(touches_[i].normal), options_.stepper == Stepper::kQuick);
     const dJointID joint = dJointCreateContact(world_, joints_.get(), &contact);
     dJointAttach(joint, touches_[i].body, touches_[i].other_body);
     dJointSetFeedback(joint, &feedbacks_[i]);
@@ -296,8 +295,7 @@ bool Collider::improve_friction() {
   for (std::size_t i = 0; i < touches_.size(); ++i) {
     Touch& touch = touches_[i];
     if (!touch.has_friction()) continue;
-    search.improve(touch.friction,
-                   touch.solution(contacts_[i].f_W, touch.velocity_after(options_.step_s)),
+    search.improve(touch.friction, touch.solution(contacts_[i].f_W, touch.velocity_after(options_.step_s)),
                    touch.mass_kg() / options_.step_s, touch.guess);
   }
   return search.error() <= kFrictionTolerance;

@@ -103,7 +103,7 @@ class BusMonitor {
   std::vector<double> angles_rad_;
   std::map<std::uint8_t, std::uint8_t> nmt_states_;  // by node
   std::vector<view::Event> events_;
-  std::array<bool, 4> foreign_seen_{};  // by the kind of the frame
+  std::array<bool, 4> foreign_seen_{};         // by the kind of the frame
   std::optional<std::uint64_t> walk_us_;       // when the velocity of a walk was given last
   std::optional<sim::Command> awaiting_walk_;  // waits for the deadline
   WalkDeadline deadline_;

@@ -4,6 +4,7 @@
 
 namespace koboshi::sim {
 
-inline constexpr std::uint64_t kIntermission_us = 3;  // three bits at 1 Mbit/s between frames (ISO 11898-1, 10.4.6)
+inline constexpr std::uint64_t kIntermission_us =
+    3;  // three bits at 1 Mbit/s between frames (ISO 11898-1, 10.4.6)
 
 }  // namespace koboshi::sim

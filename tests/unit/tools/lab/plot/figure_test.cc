@@ -215,8 +215,9 @@ TEST(GnuplotScript, DrawsAnglesWithoutTheJumpOfATurn) {
 }
 
 TEST(GnuplotScript, LeavesOutCurvesWithoutValues) {
-  const Figure figure{.panels = {{.series = {{.column = "y", .label = "measured"}, {.column = "none", .label = "planned"}}},
-                                 {.series = {{.column = "none", .label = "planned"}}}}};
+  const Figure figure{
+      .panels = {{.series = {{.column = "y", .label = "measured"}, {.column = "none", .label = "planned"}}},
+                 {.series = {{.column = "none", .label = "planned"}}}}};
   const double nan = std::nan("");
   const std::string script =
       gnuplot_script(figure, {{"time_s", {0.0, 1.0}}, {"y", {0.0, 1.0}}, {"none", {nan, nan}}});
