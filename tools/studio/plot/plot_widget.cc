@@ -10,13 +10,7 @@
 namespace koboshi::studio {
 namespace {
 
-constexpr double kTopMargin = 4.0;
 constexpr double kBottomMargin = 5.0;
-constexpr double kSwatchWidth = 16.0;
-constexpr double kLegendGap = 14.0;
-constexpr double kCloseButtonWidth = 22.0;  // of the row around the plot
-constexpr double kLegendInset = 6.0;
-constexpr double kLegendShare = 0.4;     // of the height, at most
 constexpr double kMinValueRange = 1e-6;  // less is noise
 constexpr double kValueMargin = 0.05;    // of the range, above and below
 constexpr double kValueTick_px = 22.0;
@@ -65,7 +59,7 @@ void PlotWidget::set_time_labels(bool shown) {
 }
 
 void PlotWidget::refresh() {
-  if (have_values() != have_values_) lay_out_legend();
+  if (have_values(traces_) != legend_.has_values()) lay_out_legend();
   is_stale_ = true;
   update();
 }
@@ -87,7 +81,7 @@ ShownUnit PlotWidget::unit() const {
 
 PlotArea PlotWidget::area() const {
   PlotArea area;
-  const double top = kTopMargin + legend_height_;
+  const double top = PlotLegend::kTopMargin + legend_.height();
   const double bottom = height() - (time_labels_ ? time_label_height(*this) : kBottomMargin);
   area.rect =
       QRectF(kAxisWidth, top, std::max(1, width() - kAxisWidth - kRightMargin), std::max(1.0, bottom - top));
@@ -157,121 +151,12 @@ void PlotWidget::update_accessible_text() {
     setAccessibleDescription(values_text(static_cast<double>(*view().cursor_us())));
 }
 
-std::vector<bool> PlotWidget::have_values() const {
-  std::vector<bool> have;
-  std::size_t nodes = 0;
-  for (const Trace& trace : traces_)
-    have.push_back(!trace.values->extent(0, trace.values->size(), nodes).empty());
-  // If there are none at all, the legend names what the plot waits for.
-  if (std::ranges::find(have, true) == have.end()) have.assign(have.size(), true);
-  return have;
-}
-
-void PlotWidget::lay_out_legend() {
-  have_values_ = have_values();
-  const double line_height = QFontMetricsF(small_font(*this)).height() + 2.0;
-  const int most_lines = std::max(1, static_cast<int>(kLegendShare * height() / line_height));
-  Legend legend;
-  for (const LegendDetail detail :
-       {LegendDetail::kFull, LegendDetail::kShortNames, LegendDetail::kNamesOnly}) {
-    legend = legend_of(detail);
-    if (legend.lines <= most_lines) break;
-  }
-  if (legend.lines > most_lines) fold(legend, most_lines);
-  legend_ = std::move(legend.items);
-  legend_height_ = std::min(legend.lines, most_lines) * line_height + 2.0;
-}
-
-// The name of a trace; short: what distinguishes it from the trace before, if that has the same colour, such
-// as "true" behind "left_knee_target".
-QString PlotWidget::legend_name(std::size_t trace, LegendDetail detail) const {
-  const QString name = QString::fromStdString(traces_[trace].signal.name);
-  if (detail == LegendDetail::kFull || trace == 0 || traces_[trace - 1].colour != traces_[trace].colour)
-    return name;
-  QStringList own = name.split(QLatin1Char('_'));
-  QStringList other = QString::fromStdString(traces_[trace - 1].signal.name).split(QLatin1Char('_'));
-  while (own.size() > 1 && !other.isEmpty() && own.front() == other.front()) {
-    own.removeFirst();
-    other.removeFirst();
-  }
-  while (own.size() > 1 && !other.isEmpty() && own.back() == other.back()) {
-    own.removeLast();
-    other.removeLast();
-  }
-  return own.join(QLatin1Char('_'));
-}
-
-// Places the names in lines, each with room for its value, so that nothing moves when values change.
-PlotWidget::Legend PlotWidget::legend_of(LegendDetail detail) const {
-  Legend legend;
-  const QFontMetricsF metrics(small_font(*this));
-  const bool with_values = detail != LegendDetail::kNamesOnly;
-  const double value_width = with_values ? metrics.horizontalAdvance(QStringLiteral("−000.000 mm")) : 0.0;
-  const double line_height = metrics.height() + 2.0;
-  const double right = width() - kRightMargin - kCloseButtonWidth;
-  double x = kAxisWidth;
-  double y = kTopMargin;
-  for (std::size_t trace = 0; trace < traces_.size(); ++trace) {
-    if (!have_values_[trace]) continue;
-    const double max_name = std::max(20.0, right - kAxisWidth - kSwatchWidth - value_width - kLegendInset);
-    const QString name = metrics.elidedText(legend_name(trace, detail), Qt::ElideMiddle, max_name);
-    double reserved = value_width;
-    for (const auto& [value, text] : traces_[trace].signal.names)
-      if (with_values) reserved = std::max(reserved, metrics.horizontalAdvance(QString::fromStdString(text)));
-    if (with_values) reserved += kLegendInset;
-    const double item_width = kSwatchWidth + metrics.horizontalAdvance(name) + reserved;
-    if (x > kAxisWidth && x + item_width > right) {
-      x = kAxisWidth;
-      y += line_height;
-    }
-    legend.items.push_back(
-        {QRectF(x, y, item_width, line_height), name, static_cast<int>(trace), with_values});
-    x += item_width + kLegendGap;
-  }
-  legend.lines = legend.items.empty() ? 1 : static_cast<int>(std::lround((y - kTopMargin) / line_height)) + 1;
-  return legend;
-}
-
-// Leaves the first lines, and ends the last one with the number of the names that have no room.
-void PlotWidget::fold(Legend& legend, int lines) const {
-  const QFontMetricsF metrics(small_font(*this));
-  const double line_height = metrics.height() + 2.0;
-  const double bottom = kTopMargin + lines * line_height;
-  const double right = width() - kRightMargin - kCloseButtonWidth;
-  const auto text = [](int count) { return QStringLiteral("+%1").arg(count); };
-  int hidden = 0;
-  const auto has_room = [&] {
-    if (legend.items.empty()) return true;
-    const QRectF& last = legend.items.back().rect;
-    if (last.bottom() > bottom + 0.5) return false;
-    return last.right() + kLegendGap + metrics.horizontalAdvance(text(hidden)) <= right ||
-           legend.items.size() == 1;
-  };
-  while (!has_room()) {
-    legend.items.pop_back();
-    ++hidden;
-  }
-  const double x = legend.items.empty() ? kAxisWidth : legend.items.back().rect.right() + kLegendGap;
-  const double y = legend.items.empty() ? kTopMargin : legend.items.back().rect.top();
-  legend.items.push_back({QRectF(x, y, metrics.horizontalAdvance(text(hidden)), line_height), text(hidden)});
-}
-
-QStringList PlotWidget::legend_texts() const {
-  QStringList texts;
-  for (const LegendItem& item : legend_) texts << item.text;
-  return texts;
-}
-
-bool PlotWidget::is_fold(const QPointF& place) const {
-  return std::ranges::any_of(
-      legend_, [&](const LegendItem& item) { return item.trace < 0 && item.rect.contains(place); });
-}
+void PlotWidget::lay_out_legend() { legend_ = PlotLegend(traces_, QFontMetricsF(small_font(*this)), size()); }
 
 QString PlotWidget::legend_at(const QPointF& place) const {
-  for (const LegendItem& item : legend_)
-    if (item.trace >= 0 && item.rect.contains(place))
-      return QString::fromStdString(traces_[static_cast<std::size_t>(item.trace)].signal.name);
-  return {};
+  const PlotLegend::Item* const item = legend_.at(place);
+  if (item == nullptr || item->trace < 0) return {};
+  return QString::fromStdString(traces_[static_cast<std::size_t>(item->trace)].signal.name);
 }
 
 void PlotWidget::draw_bands(QPainter& painter, const PlotArea& area, const PlotStyle& style) const {
@@ -309,7 +194,7 @@ void PlotWidget::draw_value_axis(QPainter& painter, const PlotArea& area, const 
   if (shown.text.isEmpty()) return;
   // The unit stands above the labels, beside the legend.
   painter.setPen(style.ink);
-  painter.drawText(QRectF(0.0, kTopMargin, kAxisWidth - 6.0, metrics.height() + 2.0),
+  painter.drawText(QRectF(0.0, PlotLegend::kTopMargin, kAxisWidth - 6.0, metrics.height() + 2.0),
                    Qt::AlignRight | Qt::AlignVCenter, QLatin1Char('[') + shown.text + QLatin1Char(']'));
 }
 
@@ -365,7 +250,7 @@ void PlotWidget::draw_legend(QPainter& painter) const {
   const int decimals = decimals_of(step_of(area(), shown)) + 1;
   painter.setFont(small_font(*this));
   const QFontMetricsF metrics(painter.font());
-  for (const LegendItem& item : legend_) {
+  for (const PlotLegend::Item& item : legend_.items()) {
     painter.setPen(style.dim);
     if (item.trace < 0) {
       painter.drawText(item.rect, Qt::AlignLeft | Qt::AlignVCenter, item.text);
@@ -378,15 +263,15 @@ void PlotWidget::draw_legend(QPainter& painter) const {
     painter.setPen(pen);
     painter.drawLine(QPointF(rect.left(), rect.center().y()), QPointF(rect.left() + 12.0, rect.center().y()));
     painter.setPen(style.dim);
-    const QRectF text = rect.adjusted(kSwatchWidth, 0.0, 0.0, 0.0);
+    const QRectF text = rect.adjusted(PlotLegend::kSwatchWidth, 0.0, 0.0, 0.0);
     painter.drawText(text, Qt::AlignLeft | Qt::AlignVCenter, item.text);
     if (!item.value || !view().cursor_us()) continue;
     painter.setPen(style.ink);
-    painter.drawText(text.adjusted(metrics.horizontalAdvance(item.text) + kLegendInset, 0.0, 0.0, 0.0),
+    painter.drawText(text.adjusted(metrics.horizontalAdvance(item.text) + PlotLegend::kInset, 0.0, 0.0, 0.0),
                      Qt::AlignLeft | Qt::AlignVCenter,
                      value_at(trace, static_cast<double>(*view().cursor_us()), shown, decimals));
   }
-  if (!legend_.empty()) return;
+  if (!legend_.items().empty()) return;
   painter.setPen(style.dim);
   painter.drawText(rect(), Qt::AlignCenter, tr("Drop signals here, or select them in the list"));
 }
@@ -403,7 +288,7 @@ void PlotWidget::paintEvent(QPaintEvent*) {
   QPainter painter(this);
   painter.drawImage(0, 0, picture_);
   draw_legend(painter);
-  const double top = kTopMargin + legend_height_;
+  const double top = PlotLegend::kTopMargin + legend_.height();
   const double bottom = height() - (time_labels_ ? time_label_height(*this) : kBottomMargin);
   draw_selection(painter, top, bottom);
   draw_cursor(painter, top, bottom);
@@ -424,10 +309,10 @@ void PlotWidget::changeEvent(QEvent* event) {
 bool PlotWidget::event(QEvent* event) {
   if (event->type() != QEvent::ToolTip) return TimeAxisWidget::event(event);
   const auto* help = static_cast<QHelpEvent*>(event);
-  const QString name = legend_at(help->pos());
-  if (!name.isEmpty()) {
-    QToolTip::showText(help->globalPos(), name, this);
-  } else if (is_fold(help->pos())) {
+  const PlotLegend::Item* const item = legend_.at(help->pos());
+  if (item != nullptr && item->trace >= 0) {
+    QToolTip::showText(help->globalPos(), legend_at(help->pos()), this);
+  } else if (item != nullptr) {  // those that have no room
     QToolTip::showText(help->globalPos(), values_text(static_cast<double>(view().cursor_us().value_or(0))),
                        this);
   } else if (!traces_.empty() && help->pos().x() >= kAxisWidth) {

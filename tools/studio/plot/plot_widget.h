@@ -4,6 +4,7 @@
 #include <QStringList>
 #include <vector>
 
+#include "tools/studio/plot/plot_legend.h"
 #include "tools/studio/plot/plot_style.h"
 #include "tools/studio/plot/run_samples.h"
 #include "tools/studio/plot/time_axis_widget.h"
@@ -17,10 +18,7 @@ struct ValueBand {
   double high = 0.0;
 };
 
-// Traces of one unit over a common time axis, with a legend that shows the values at the cursor. The legend
-// leaves at least 60 % of the height to the curves: where it would need more, it shortens the second name of
-// a pair such as target and true, then drops the values, and at last folds names into "+3". Traces without
-// any value are not in it.
+// Traces of one unit over a common time axis, with a legend that shows the values at the cursor.
 class PlotWidget final : public TimeAxisWidget {
   Q_OBJECT
 
@@ -41,10 +39,10 @@ class PlotWidget final : public TimeAxisWidget {
   // The shown range of values, in the unit of the traces.
   std::pair<double, double> limits() const;
   // Height of the legend, and of the curves below it.
-  double legend_height() const { return legend_height_; }
+  double legend_height() const { return legend_.height(); }
   double curve_height() const { return area().rect.height(); }
   // The texts of the legend, without the values.
-  QStringList legend_texts() const;
+  QStringList legend_texts() const { return legend_.texts(); }
   // The name of the trace at a place of the legend; empty if there is none.
   QString legend_at(const QPointF& place) const;
   // The values of all traces at a time, as text with units.
@@ -61,24 +59,7 @@ class PlotWidget final : public TimeAxisWidget {
   void resizeEvent(QResizeEvent* event) override;
 
  private:
-  struct LegendItem {
-    QRectF rect{};
-    QString text{};      // a name, shortened or elided; "+3" for three that have no room
-    int trace = -1;      // none: those that have no room
-    bool value = false;  // whether the value at the cursor stands behind it
-  };
-  enum class LegendDetail { kFull, kShortNames, kNamesOnly };
-  struct Legend {
-    std::vector<LegendItem> items{};
-    int lines = 0;
-  };
-
   void lay_out_legend();
-  Legend legend_of(LegendDetail detail) const;
-  void fold(Legend& legend, int lines) const;
-  bool is_fold(const QPointF& place) const;
-  QString legend_name(std::size_t trace, LegendDetail detail) const;
-  std::vector<bool> have_values() const;
   void update_accessible_text();
   ShownUnit unit() const;
   double step_of(const PlotArea& area, const ShownUnit& unit) const;
@@ -95,9 +76,7 @@ class PlotWidget final : public TimeAxisWidget {
   std::vector<ValueBand> bands_{};
   const std::vector<Mark>* marks_ = nullptr;
   bool time_labels_ = true;
-  std::vector<bool> have_values_{};  // by trace
-  std::vector<LegendItem> legend_{};
-  double legend_height_ = 0.0;
+  PlotLegend legend_{};
   QImage picture_{};  // everything but legend, cursor and selection
   bool is_stale_ = true;
 };
