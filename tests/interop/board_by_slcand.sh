@@ -8,7 +8,7 @@ trap 'cat /mnt/board' EXIT  # also after a failure
 insmod /usr/lib/uml/modules/*/kernel/drivers/net/can/slcan/slcan.ko
 mkdir -p /dev/pts
 mount -t devpts devpts /dev/pts
-"$1" board --can slcan --set physics.stepper=lumped >/mnt/board 2>&1 &
+"$1" board --can slcan >/mnt/board 2>&1 &
 board=$!
 until grep -q 'CAN bus on' /mnt/board; do
   kill -0 "$board" || { echo "the board has ended"; exit 1; }
@@ -20,6 +20,6 @@ until ip link show slcan0 >/dev/null 2>&1; do
   sleep 0.05
 done
 ip link set slcan0 up
-/usr/bin/python3 -B "$(dirname "$0")/board_master.py" "$2" socketcan slcan0
+/usr/bin/python3 -B "$(dirname "$0")/board_master.py" "$2" socketcan slcan0 4
 kill -INT "$board"
 wait "$board"

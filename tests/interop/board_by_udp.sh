@@ -9,7 +9,7 @@ fi
 folder=$(mktemp -d)
 trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$folder"' EXIT  # stops the board on any exit
 
-"$1" board --can udp:239.74.163.2:43113 --set physics.stepper=lumped >"$folder/board" 2>&1 &
+"$1" board --can udp:239.74.163.2:43113 >"$folder/board" 2>&1 &
 board=$!
 until grep -q 'CAN bus on' "$folder/board"; do
   kill -0 "$board" || { cat "$folder/board"; exit 1; }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# board_on_vcan.sh KOBOSHI EDS: runs the simulated board on vcan0. A python-can master boots, enables and moves its
-# drives while candump records. Needs a vcan0: see with_vcan.sh.
+# board_on_vcan.sh KOBOSHI EDS: runs the simulated board on vcan0. A python-can master boots its drives, and enables and
+# moves some of them, while candump records. Needs a vcan0: see with_vcan.sh.
 set -eu
 trap 'cat /mnt/board' EXIT  # also after a failure
 
@@ -11,13 +11,13 @@ log=$(mktemp -p /mnt)
 
 candump -r 16777216 -L vcan0 >"$log" &
 "$here/await_receiver.sh" "$!"
-"$koboshi" board --can socketcan:vcan0 --set physics.stepper=lumped >/mnt/board 2>&1 &
+"$koboshi" board --can socketcan:vcan0 >/mnt/board 2>&1 &
 board=$!
 until grep -q 'CAN bus on' /mnt/board; do
   kill -0 "$board" || { echo "the board has ended"; exit 1; }
   sleep 0.05
 done
-/usr/bin/python3 -B "$here/board_master.py" "$eds" socketcan vcan0
+/usr/bin/python3 -B "$here/board_master.py" "$eds" socketcan vcan0 4
 kill -INT "$board"
 wait "$board"
 sleep 0.2

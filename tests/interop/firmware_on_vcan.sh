@@ -33,7 +33,7 @@ check_running() {
 
 firmware=
 : >/mnt/firmware
-"$koboshi" board --can socketcan:vcan0 --speed 0.1 --set physics.stepper=lumped >/mnt/board 2>&1 &
+"$koboshi" board --can socketcan:vcan0 --speed 0.1 >/mnt/board 2>&1 &
 board=$!
 until grep -q 'CAN bus on' /mnt/board; do
   check_running

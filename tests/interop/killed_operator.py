@@ -102,7 +102,7 @@ def check(bus):
 
 
 def main():
-    settings = ["commands=[]", "duration_s=300", "physics.stepper=lumped", "initial.held_until_s=299"]
+    settings = ["commands=[]", "duration_s=300", "initial.held_until_s=299"]
     arguments = [part for setting in settings for part in ("--set", setting)]
     with tempfile.TemporaryDirectory() as folder, open_bus() as bus:
         run = subprocess.Popen([sys.argv[1], "run", "scenarios/go.yaml", "--realtime", "--speed", str(SPEED), "--can",

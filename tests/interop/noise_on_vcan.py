@@ -73,7 +73,7 @@ def flood(board, bus, name, command):
 
 def main():
     with open("/mnt/board", "w+", encoding="ascii") as output:
-        board = subprocess.Popen([KOBOSHI, "board", "--can", "socketcan:vcan0", "--set", "physics.stepper=lumped"],
+        board = subprocess.Popen([KOBOSHI, "board", "--can", "socketcan:vcan0"],
                                  stdout=output, stderr=output)
         while "CAN bus on" not in pathlib.Path("/mnt/board").read_text():
             if board.poll() is not None:

@@ -38,7 +38,7 @@ until [ -e "$folder/listens" ]; do
   kill -0 "$listener"
   sleep 0.05
 done
-"$koboshi" run scenarios/walk.yaml --set physics.stepper=lumped --can udp:239.74.163.2:43113 --duration "$seconds" --out "$folder/run"
+"$koboshi" run scenarios/walk.yaml --can udp:239.74.163.2:43113 --duration "$seconds" --out "$folder/run"
 wait "$listener"
 
 /usr/bin/python3 -B "$(dirname "$0")/compare_heard.py" "$folder/run/timing.json" "$(cat "$folder/heard")"

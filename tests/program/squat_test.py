@@ -21,7 +21,7 @@ class Squat(unittest.TestCase):
         self.assertEqual(self.summary["duration_s"], 60.0)
         self.assertEqual(self.summary["faults"], 0)
         self.assertEqual(self.summary["solver_warnings"], 0)
-        self.assertEqual(self.summary["stepper"], "world")
+        self.assertEqual(self.summary["stepper"], "lumped")
 
     def test_base_height_follows_the_pose(self):
         self.assertLess(self.summary["base_height_error_max_m"], 0.003)

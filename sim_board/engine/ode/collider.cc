@@ -14,6 +14,10 @@ namespace {
 // A box has eight corners, and the contact area of two boxes face to face has at most eight.
 constexpr int kMaxContactsOfPair = 8;
 
+// Contacts for which memory is allocated in advance; no fall of the robot needs more than 60. For more, it is
+// enlarged in the step that needs it.
+constexpr std::size_t kUsualContacts = 100;
+
 // Contacts of the same links in two steps are the same one if they are nearer than this.
 constexpr double kSameContact_m = 0.005;
 
@@ -86,11 +90,10 @@ Collider::Collider(dWorldID world, const RobotDescription& robot, const LinkTree
   make_ground();
   make_pairs(tree);
   make_fields();
-  const std::size_t most_contacts = (pairs_.size() + fields_.size() * boxes_.size()) * kMaxContactsOfPair;
-  contacts_.reserve(most_contacts);
-  last_contacts_.reserve(most_contacts);
-  touches_.reserve(most_contacts);
-  feedbacks_.resize(most_contacts);
+  contacts_.reserve(kUsualContacts);
+  last_contacts_.reserve(kUsualContacts);
+  touches_.reserve(kUsualContacts);
+  feedbacks_.resize(kUsualContacts);
 }
 
 std::vector<Collider::Box> Collider::make_boxes(const RobotDescription& robot, const Bodies& bodies) {
@@ -281,6 +284,7 @@ FrictionGuess Collider::guess_friction(const Touch& touch, const Contact& contac
 
 void Collider::make_joints() {
   dJointGroupEmpty(joints_.get());
+  if (feedbacks_.size() < touches_.size()) feedbacks_.resize(touches_.size());
   for (std::size_t i = 0; i < touches_.size(); ++i) {
     const dContact contact =
         ode_contact(touches_[i], target_m_per_s(touches_[i].normal), options_.stepper == Stepper::kQuick);

@@ -5,9 +5,9 @@
 namespace koboshi::sim {
 namespace {
 
-// Rows for which memory is allocated in advance: two soles at rest, and the friction of all joints. For more,
-// as in a fall, the memory is enlarged in the step that needs it.
-constexpr std::size_t kUsualRows = 64;
+// Rows for which memory is allocated in advance: 30 contact points and the friction of all joints. For more,
+// the memory is enlarged in the step that needs it.
+constexpr std::size_t kUsualRows = 128;
 
 // Solutions of a step before the friction is left as it is, and the error that is taken for a solution, as a
 // share of the largest normal impulse.

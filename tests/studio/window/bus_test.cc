@@ -106,7 +106,7 @@ class BusTest final : public QObject {
                           QStringLiteral("--speed"), QStringLiteral("3"),
                           QStringLiteral("--out"),   out_.filePath(QString::number(robots_))};
     for (const char* one :
-         {"commands=[]", "duration_s=400", "physics.stepper=lumped", "initial.held_until_s=399"})
+         {"commands=[]", "duration_s=400", "initial.held_until_s=399"})
       arguments << QStringLiteral("--set") << QLatin1String(one);
     return arguments;
   }

@@ -32,7 +32,7 @@ TEST(ScenarioReader, FillsInDefaults) {
   EXPECT_EQ(scenario.computing_time_us, 500u);
   EXPECT_FALSE(scenario.teleop);
   EXPECT_EQ(scenario.physics.step_us, 1000u);
-  EXPECT_EQ(scenario.physics.stepper, Stepper::kWorld);
+  EXPECT_EQ(scenario.physics.stepper, Stepper::kLumped);
   EXPECT_FALSE(scenario.ground.friction.has_value());
   EXPECT_FALSE(scenario.initial.base_height_m.has_value());
   EXPECT_FALSE(scenario.initial.fixed_base);
