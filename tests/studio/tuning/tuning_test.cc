@@ -89,7 +89,7 @@ class TuningTest final : public QObject {
   std::optional<double> value(const char* key) { return editor().document()->value(at(key)); }
   std::optional<double> in_force(const char* key) { return editor().live().state(at(key)).in_force; }
   QAction* action(const char* text) {
-    for (QAction* one : panels_->parameters().actions())
+    for (QAction* one : panels_->parameters().findChildren<QAction*>())
       if (one->text().remove(QLatin1Char('&')) == QLatin1String(text)) return one;
     return nullptr;
   }
@@ -183,15 +183,15 @@ class TuningTest final : public QObject {
     run_->set_playing(false);
     QTRY_COMPARE(panels_->parameters().row(at("step_height_mm")).live_text(), QStringLiteral("✓"));
 
-    action("Save parameters")->trigger();
+    action("Save")->trigger();
     const std::string limit = std::string(kSpeedLimit) + ": ";
     const std::string now = editor().document()->table()[at(kSpeedLimit)].text(*value(kSpeedLimit));
     QCOMPARE(read(parameters_file()), replaced(replaced(before, limit + "300", limit + now),
                                                "step_height_mm: 20", "step_height_mm: 26"));
-    while (editor().document()->history().can_undo()) action("Undo parameter")->trigger();
+    while (editor().document()->history().can_undo()) action("Undo")->trigger();
     QCOMPARE(editor().document()->text(), before);
-    action("Redo parameter")->trigger();
-    action("Undo parameter")->trigger();
+    action("Redo")->trigger();
+    action("Undo")->trigger();
     while_running_until([&] { return in_force(kSpeedLimit) == std::optional(300.0); });
   }
 

@@ -44,18 +44,19 @@ void SimulatedUpload::start(MotionImage image,
   if (number >= storage::kMaxMotions) throw std::runtime_error("all numbers of motions are in use");
   crc32_ = storage::image_crc32(std::as_bytes(std::span(image.bytes)));
   under_way_ = {number, image.name, image.bytes.size()};
-  run_.give(request_for(++request_, app::kMotionObject, number, std::move(image.bytes)));
+  // Both at once: the run may pause again before an answer is here.
+  run_.give(request_for(++last_request_, app::kMotionObject, number, std::move(image.bytes)));
+  run_.give(request_for(++last_request_, app::kMotionCrcObject, number));
 }
 
-// The first answer is to the write, the second is the CRC.
 void SimulatedUpload::take_answer(const sim::ObjectAnswer& answer) {
-  if (!under_way_ || answer.number != request_) return;
+  const bool is_write = answer.number + 1 == last_request_;
+  if (!under_way_ || (!is_write && answer.number != last_request_)) return;
   if (answer.abort != canopen::AbortCode::kNone) {
     under_way_.reset();
     return Q_EMIT failed(QString::fromStdString(tools::text_of(answer.abort)));
   }
-  if (answer.data.empty())
-    return run_.give(request_for(++request_, app::kMotionCrcObject, under_way_->number));
+  if (is_write) return;
   const UploadedMotion motion = *std::exchange(under_way_, std::nullopt);
   std::uint32_t read = 0;
   for (std::size_t i = 0; i < answer.data.size(); ++i) read |= std::uint32_t{answer.data[i]} << (8 * i);

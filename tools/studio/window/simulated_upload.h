@@ -43,7 +43,7 @@ class SimulatedUpload final : public QObject {
   RunController& run_;
   std::optional<UploadedMotion> under_way_;
   std::uint32_t crc32_ = 0;
-  std::uint64_t request_ = kFirstNumber;  // the next answer to take
+  std::uint64_t last_request_ = kFirstNumber;  // reads the CRC; the one before writes the motion
 };
 
 }  // namespace koboshi::studio
