@@ -86,11 +86,20 @@ void SdoTransfer::send(const Data& data) {
   send_surely(transport_, {.identifier = request_, .size = 8, .data = data});
 }
 
-SdoTransfer::Data SdoTransfer::receive() {
+// Whether a message answers another client of the channel: the controller polls drives on it, too.
+bool SdoTransfer::is_for_another(const Data& answer) const {
+  const int specifier = answer[0] & sdo::kSpecifierMask;
+  const bool names_object = answer[0] == sdo::kAbort || specifier == sdo::kInitiateUploadResponse ||
+                            specifier == sdo::kInitiateDownloadResponse;
+  return names_object && sdo::address_of(answer) != address_;
+}
+
+SdoTransfer::Data SdoTransfer::receive(Kind kind) {
   const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(kTimeout_us);
   while (Clock::now() < deadline) {
     const auto frame = transport_.receive();
-    if (frame && frame->identifier == response_ && frame->size == 8 && !frame->remote) return frame->data;
+    const bool is_answer = frame && frame->identifier == response_ && frame->size == 8 && !frame->remote;
+    if (is_answer && (kind == Kind::kBlockSegment || !is_for_another(frame->data))) return frame->data;
     if (!frame) wait_for_frames(transport_, 1'000);
   }
   throw std::runtime_error(
@@ -186,7 +195,7 @@ std::vector<std::uint8_t> SdoTransfer::read_blocks(std::size_t size, const SdoPr
     std::uint8_t expected = 1;
     bool last = false;
     for (std::uint8_t sequence = 0; !last && sequence < sdo::kMaxBlockSize;) {
-      const Data segment = receive();
+      const Data segment = receive(Kind::kBlockSegment);
       if (segment[0] == sdo::kAbort && data.empty() && expected == 1)
         throw SdoAborted(static_cast<AbortCode>(sdo::data_of(segment)));
       sequence = segment[0] & ~sdo::kBlockLastSegment & 0xFF;

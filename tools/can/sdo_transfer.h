@@ -50,8 +50,13 @@ class SdoTransfer {
  private:
   using Data = std::array<std::uint8_t, 8>;
 
+  // A segment of a block begins with its number instead of a command specifier.
+  enum class Kind : std::uint8_t { kMessage, kBlockSegment };
+
   void send(const Data& data);
-  Data receive();
+  bool is_for_another(const Data& answer) const;
+  // Returns the next answer to this transfer.
+  Data receive(Kind kind = Kind::kMessage);
   // Sends a request and returns the answer. Aborts if the answer has another specifier.
   Data ask(const Data& data, std::uint8_t specifier);
   [[noreturn]] void abort(canopen::AbortCode code);

@@ -17,6 +17,7 @@ class Cable final : public sim::Transport {
  public:
   bool send(const hal::CanFrame& frame, std::uint64_t) override {
     if (++sent_ == lost_request) return true;
+    answers_.insert(answers_.end(), for_others.begin(), for_others.end());
     for (const hal::CanFrame& answer : device.ask(frame)) answers_.push_back(answer);
     // Of a block it sends what its queue takes; the rest with the next call.
     for (;;) {
@@ -36,6 +37,7 @@ class Cable final : public sim::Transport {
 
   canopen::TestNode device{5};
   int lost_request = -1;
+  std::vector<hal::CanFrame> for_others;  // that the node sends before each answer
 
  private:
   std::deque<hal::CanFrame> answers_;
@@ -70,6 +72,17 @@ TEST_F(SdoTransferTest, ReadsNumbersAndTexts) {
   EXPECT_EQ(transfer.read({0x1018, 2}), (std::vector<std::uint8_t>{0x55, 0, 0, 0}));
   const std::vector<std::uint8_t> name = transfer.read({0x1008, 0});
   EXPECT_EQ(std::string(name.begin(), name.end()), "Koboshi test node");
+}
+
+// Another client uses the same channel: it reads 0x6079, writes 0x6040, and is refused 0x1234.
+TEST_F(SdoTransferTest, SkipsAnswersAboutOtherObjects) {
+  const auto answer = [](std::array<std::uint8_t, 8> data) {
+    return hal::CanFrame{.identifier = 0x585, .size = 8, .data = data};
+  };
+  cable.for_others = {answer({0x43, 0x79, 0x60, 0, 0xEB, 0x1D, 0, 0}),
+                      answer({0x60, 0x40, 0x60, 0, 0, 0, 0, 0}), answer({0x80, 0x34, 0x12, 0, 0, 0, 2, 6})};
+  EXPECT_EQ(transfer.read({0x1018, 2}), (std::vector<std::uint8_t>{0x55, 0, 0, 0}));
+  EXPECT_EQ(code_of([&] { transfer.read({0x1018, 9}); }), AbortCode::kSubindexDoesNotExist);
 }
 
 TEST_F(SdoTransferTest, WritesNumbers) {
