@@ -105,8 +105,7 @@ class BusTest final : public QObject {
     QStringList arguments{QStringLiteral("run"),     QStringLiteral("scenarios/go.yaml"),
                           QStringLiteral("--speed"), QStringLiteral("3"),
                           QStringLiteral("--out"),   out_.filePath(QString::number(robots_))};
-    for (const char* one :
-         {"commands=[]", "duration_s=400", "initial.held_until_s=399"})
+    for (const char* one : {"commands=[]", "duration_s=400", "initial.held_until_s=399"})
       arguments << QStringLiteral("--set") << QLatin1String(one);
     return arguments;
   }
@@ -195,7 +194,8 @@ class BusTest final : public QObject {
     QVERIFY(std::ranges::any_of(window_->findChild<CanPanel*>()->findChildren<QLabel*>(), [](auto* label) {
       return label->text().contains(QStringLiteral("error counters"));
     }));
-    // A motion goes to it from the editor, and comes back the same.
+    // A motion goes to it from the editor, and comes back the same. A robot that is starting stores nothing.
+    QVERIFY2(wait_for_state(behaviour::State::kStanding), qPrintable(story()));
     window_->open(kRoot / "robots/koboshi/motions/bow.yaml");
     window_->messages().hide();
     test::action(*window_, "Upload the motion to a robot")->trigger();
