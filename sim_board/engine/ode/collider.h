@@ -139,7 +139,8 @@ class Collider {
   std::vector<Contact> contacts_;
   std::vector<Contact> last_contacts_;  // of the step before
   std::vector<Touch> touches_;
-  std::vector<dJointFeedback> feedbacks_;  // by contact; does not move while there are joints, because ODE writes into it
+  std::vector<dJointFeedback>
+      feedbacks_;  // by contact; does not move while there are joints, because ODE writes into it
 };
 
 }  // namespace koboshi::sim
