@@ -28,11 +28,11 @@ struct Touch {
 
   bool slips() const { return (contact.surface.mode & dContactSlip1) != 0; }
   bool has_friction() const { return friction.mu > 0.0; }
-  // Of the body at the point, for friction_error() and better_guess().
+  // Mass of the body at the point, which friction_error() and better_guess() need.
   double mass_kg() const;
   // Relative velocity at the point after ODE has moved the bodies for `step_s`.
   Eigen::Vector3d velocity_after(double step_s) const;
-  // What a solution found: the force on the body and the velocity at the point.
+  // Returns the solution in the contact plane, from the force on the body and the velocity at the point.
   FrictionSolution solution(const Eigen::Vector3d& f_W, const Eigen::Vector3d& v_W) const;
 };
 

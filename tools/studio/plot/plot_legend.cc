@@ -15,7 +15,8 @@ constexpr double kAxisWidth = TimeAxisWidget::kAxisWidth;
 
 double line_height(const QFontMetricsF& metrics) { return metrics.height() + 2.0; }
 
-// What distinguishes a name from the one before, such as "true" behind "left_knee_target".
+// Returns the part of a name that differs from the name before: "true" for "left_knee_true" after
+// "left_knee_target".
 QString short_name(const QString& name, const QString& before) {
   QStringList own = name.split(QLatin1Char('_'));
   QStringList other = before.split(QLatin1Char('_'));

@@ -7,7 +7,7 @@
 
 namespace koboshi::canopen {
 
-// Of the flash, and signatures of 0x1010 and 0x1011.
+// Size of the flash, and the signatures that 0x1010 and 0x1011 require.
 inline constexpr std::size_t kSectors = 6;
 inline constexpr std::uint32_t kSave = 0x6576'6173;
 inline constexpr std::uint32_t kLoad = 0x6461'6F6C;
