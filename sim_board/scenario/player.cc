@@ -22,7 +22,6 @@ BoardOptions board_options(const Scenario& scenario, const RobotDescription& rob
   WorldOptions& world = options.world;
   world.step_s = 1e-6 * static_cast<double>(scenario.physics.step_us);
   world.stepper = scenario.physics.stepper;
-  world.quick_iterations = scenario.physics.quick_iterations;
   world.friction = scenario.physics.friction;
   world.fixed_base = scenario.initial.fixed_base;
   world.ground = make_ground(scenario.ground, scenario.seed);

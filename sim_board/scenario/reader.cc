@@ -74,11 +74,12 @@ std::uint64_t read_computing_time_us(const YamlMap& root) {
       controller->integer("computing_time_us", {.min = 0, .max = 9000}, kDefault_us));
 }
 
-Stepper read_stepper(const YamlMap& physics) {
-  const Stepper stepper = *stepper_named(physics.one_of("stepper", stepper_names(), "world"));
+Stepper read_stepper(const YamlMap& physics, Stepper preset) {
+  const Stepper stepper =
+      *stepper_named(physics.one_of("stepper", stepper_names(), std::string(name_of(preset))));
   if (stepper == Stepper::kMujoco && !has_mujoco()) {
     throw physics.error_at("stepper", "mujoco, which this program was built without",
-                           "world, lumped or quick, or a program built where libmujoco-dev is installed");
+                           "world or lumped, or a program built where libmujoco-dev is installed");
   }
   return stepper;
 }
@@ -92,11 +93,9 @@ Physics read_physics(const YamlMap& root) {
   if (std::abs(step_us - std::round(step_us)) > 1e-6 || 1000 % physics.step_us != 0) {
     throw map->value("step_ms").error("a whole number of microseconds that divides 1 ms");
   }
-  physics.stepper = read_stepper(*map);
+  physics.stepper = read_stepper(*map, physics.stepper);
   const std::string friction = map->one_of("friction", {"rows", "lock_and_check"}, "lock_and_check");
   physics.friction = friction == "rows" ? FrictionMethod::kRows : FrictionMethod::kLockAndCheck;
-  physics.quick_iterations =
-      static_cast<int>(map->integer("iterations", {.min = 1, .max = 10000}, physics.quick_iterations));
   return physics;
 }
 

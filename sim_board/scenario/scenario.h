@@ -112,7 +112,6 @@ struct NamedMaterialPair {
 struct Physics {
   std::uint64_t step_us = 1000;  // divides 1 ms
   Stepper stepper = Stepper::kLumped;
-  int quick_iterations = 50;
   FrictionMethod friction = FrictionMethod::kLockAndCheck;
 };
 

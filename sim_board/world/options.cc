@@ -9,7 +9,7 @@ namespace koboshi::sim {
 
 // Indexed by the enumeration.
 const std::vector<std::string>& stepper_names() {
-  static const std::vector<std::string> names{"world", "lumped", "quick", "mujoco"};
+  static const std::vector<std::string> names{"world", "lumped", "mujoco"};
   return names;
 }
 
@@ -26,7 +26,6 @@ WorldOptions checked(WorldOptions options, const RobotDescription& robot) {
   const double steps_a_ms = 0.001 / options.step_s;
   if (!(options.step_s > 0.0) || std::abs(steps_a_ms - std::round(steps_a_ms)) > 1e-9 || steps_a_ms < 0.5)
     throw std::invalid_argument("a step of " + std::to_string(options.step_s) + " s does not divide 1 ms");
-  if (options.quick_iterations < 1) throw std::invalid_argument("the quick stepper needs an iteration");
   check(options.ground);
   if (options.joint_positions_rad.empty()) options.joint_positions_rad.assign(robot.joints.size(), 0.0);
   if (options.joint_positions_rad.size() != robot.joints.size())

@@ -19,11 +19,10 @@ namespace koboshi::sim {
 //   kLumped ODE's contacts, exact solver in joint coordinates; hinges that intersect in one point are merged,
 //           the links between them move with their neighbours, and a resting sole is one constraint; the
 //           default of scenarios
-//   kQuick  ODE, iterative (projected successive over-relaxation)
 //   kMujoco MuJoCo, the second engine: joint coordinates, elliptic friction cones
-enum class Stepper { kWorld, kLumped, kQuick, kMujoco };
+enum class Stepper { kWorld, kLumped, kMujoco };
 
-// Names in scenarios, options and summaries: world, lumped, quick, mujoco.
+// Names in scenarios, options and summaries: world, lumped, mujoco.
 const std::vector<std::string>& stepper_names();
 std::string_view name_of(Stepper stepper);
 std::optional<Stepper> stepper_named(std::string_view name);
@@ -39,8 +38,7 @@ struct WorldOptions {
   double step_s = 0.001;  // must divide 1 ms
   Eigen::Vector3d gravity_W_m_per_s2{0.0, 0.0, -kGravity_m_per_s2};
   Stepper stepper = Stepper::kWorld;
-  int quick_iterations = 50;
-  FrictionMethod friction = FrictionMethod::kLockAndCheck;  // kQuick always takes rows
+  FrictionMethod friction = FrictionMethod::kLockAndCheck;
   GroundDescription ground;
   std::vector<MaterialPair> material_pairs;
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();  // initial pose of links[0]

@@ -82,8 +82,7 @@ class World {
   virtual std::span<const Contact> contacts() const = 0;
   // Number of solver warnings since the world was created.
   virtual std::uint64_t solver_warnings() const = 0;
-  // Number of steps in which contacts were left further from Coulomb's law than the engine's tolerance. Zero
-  // in an engine that does not check it (kQuick).
+  // Number of steps in which contacts were left further from Coulomb's law than the engine's tolerance.
   virtual std::uint64_t unsettled_steps() const { return 0; }
 
   // Saves or restores the state between two steps. A restored world continues with the same bits.

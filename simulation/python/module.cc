@@ -177,7 +177,7 @@ links are those of the robot's file. Names of values end with their unit.
 
 scenario: scenario file (docs/reference/scenario-format.md).
 seed:     seed of all random errors; default: the scenario's.
-stepper:  "world", "lumped", "quick" or "mujoco"; default: the scenario's.
+stepper:  "world", "lumped" or "mujoco"; default: the scenario's.
 set:      values that replace those of the file, by dotted path: {"ground.friction": 0.5}.
 frames:   True to record the frames on the bus for frames().
 

@@ -1,7 +1,7 @@
 // Compares the verdict of `koboshi motion check` with simulated falls of random slow motions:
 //   motion_check_trials FIRST_SEED COUNT STEPPER [THREADS [STEP_MS]]
 // prints a line for each motion and the table of docs/experiment/motion-check.md. STEPPER is one of
-// world, lumped, quick, mujoco, or none: then nothing is simulated. STEP_MS is the time step of the
+// world, lumped, mujoco, or none: then nothing is simulated. STEP_MS is the time step of the
 // physics, 1 by default.
 
 #include <fmt/core.h>

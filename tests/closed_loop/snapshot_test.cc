@@ -293,8 +293,7 @@ TEST(Reset, IsRefusedWhileObserversAreAttached) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, SnapshotInEachStepper,
-                         testing::Values(sim::Stepper::kWorld, sim::Stepper::kLumped, sim::Stepper::kQuick,
-                                         sim::Stepper::kMujoco),
+                         testing::Values(sim::Stepper::kWorld, sim::Stepper::kLumped, sim::Stepper::kMujoco),
                          [](const auto& info) { return std::string(sim::name_of(info.param)); });
 
 }  // namespace

@@ -72,7 +72,7 @@ class Help(unittest.TestCase):
 
     def test_names_enumerations(self):
         self.assertIn("{cma-es,nsga-2}", self.texts[("tune",)])
-        self.assertIn("{world,lumped,quick,mujoco}", self.texts[("run",)])
+        self.assertIn("{world,lumped,mujoco}", self.texts[("run",)])
 
     def test_json_is_a_file_everywhere(self):
         for path, text in self.texts.items():

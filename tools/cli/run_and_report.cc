@@ -101,7 +101,7 @@ void add_run_options(CLI::App& command, RunArguments& arguments) {
   command
       .add_option("--stepper", arguments.stepper,
                   "lumped: exact contacts, in joint coordinates (default); world: the reference, slow;\n"
-                  "quick: iterative; mujoco: the second engine")
+                  "mujoco: the second engine")
       ->check(CLI::IsMember(sim::stepper_names()));
   command
       .add_option("--set", arguments.sets,

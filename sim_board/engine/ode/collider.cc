@@ -286,8 +286,7 @@ void Collider::make_joints() {
   dJointGroupEmpty(joints_.get());
   if (feedbacks_.size() < touches_.size()) feedbacks_.resize(touches_.size());
   for (std::size_t i = 0; i < touches_.size(); ++i) {
-    const dContact contact =
-        ode_contact(touches_[i], target_m_per_s(touches_[i].normal), options_.stepper == Stepper::kQuick);
+    const dContact contact = ode_contact(touches_[i], target_m_per_s(touches_[i].normal));
     const dJointID joint = dJointCreateContact(world_, joints_.get(), &contact);
     dJointAttach(joint, touches_[i].body, touches_[i].other_body);
     dJointSetFeedback(joint, &feedbacks_[i]);

@@ -1,7 +1,6 @@
 #include "sim_board/engine/ode/library.h"
 
 #include <cstdarg>
-#include <mutex>
 #include <stdexcept>
 
 namespace koboshi::sim {
@@ -31,13 +30,5 @@ void start_ode_in_this_thread() {
 OdeWarningCount::OdeWarningCount(std::uint64_t& warnings) { warnings_of_this_thread = &warnings; }
 
 OdeWarningCount::~OdeWarningCount() { warnings_of_this_thread = nullptr; }
-
-void quick_step(dWorldID world, double step_s, unsigned long& seed) {
-  static std::mutex random_numbers;
-  const std::lock_guard lock(random_numbers);
-  dRandSetSeed(seed);
-  dWorldQuickStep(world, step_s);
-  seed = dRandGetSeed();
-}
 
 }  // namespace koboshi::sim

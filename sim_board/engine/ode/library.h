@@ -22,8 +22,7 @@ using OdeGeom = std::unique_ptr<dxGeom, DeleteBy<dGeomDestroy>>;
 // 10 N at 1e-9 m/s.
 inline constexpr double kStickingForceMixing = 1e-10;
 
-// ODE's global state, managed for use by several worlds: start-up, per-thread data, message handler and
-// random numbers.
+// ODE's global state, managed for use by several worlds: start-up, per-thread data and message handler.
 
 // Initialises the library and its data of this thread; cheap after the first call in a thread. Must be called
 // before any other function.
@@ -38,9 +37,5 @@ class OdeWarningCount {
   OdeWarningCount(const OdeWarningCount&) = delete;
   OdeWarningCount& operator=(const OdeWarningCount&) = delete;
 };
-
-// Steps the world with QuickStep, which shuffles its rows with a random generator whose seed is global. Uses
-// `seed` and updates it; worlds in other threads wait.
-void quick_step(dWorldID world, double step_s, unsigned long& seed);
 
 }  // namespace koboshi::sim

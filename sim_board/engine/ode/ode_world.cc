@@ -73,7 +73,6 @@ class OdeWorld final : public World {
   void solve_with_ode();
   bool settle_impacts_of_tree();
   void guess_with_tree();
-  void solve_quickly();
   void write_ode_rows();
   void bound_friction();
   bool confirm_joints();
@@ -92,7 +91,6 @@ class OdeWorld final : public World {
   std::uint64_t solver_warnings_ = 0;
   std::uint64_t unsettled_steps_ = 0;
   bool settled_ = true;  // this step's contacts obey the law of friction
-  unsigned long quick_seed_ = 0;
   SavedBodies saved_;
   OdeThreading threading_;
   OdeWorldHandle world_;
@@ -143,7 +141,6 @@ void OdeWorld::make_world() {
                                      .reserve_factor = 1.2F,
                                      .reserve_minimum = kStepMemory_bytes};
   dWorldSetStepMemoryReservationPolicy(world_.get(), &memory);
-  dWorldSetQuickStepNumIterations(world_.get(), options_.quick_iterations);
 }
 
 void OdeWorld::make_joints(std::span<const HingeChain> chains) {
@@ -214,7 +211,6 @@ void OdeWorld::step_with_ode() {
 
 // Repeats the step until the guesses are confirmed: which joints stick, and the friction of the contacts.
 void OdeWorld::solve_with_ode() {
-  if (options_.stepper == Stepper::kQuick) return solve_quickly();
   int guesses = options_.friction == FrictionMethod::kRows ? 0 : kMaxGuesses;
   if (guesses == 0) bound_friction();
   saved_.save(bodies_->all());
@@ -244,13 +240,6 @@ void OdeWorld::guess_with_tree() {
   }
   collider_->read_guesses(tree_->step.solver());
   saved_.restore(bodies_->all());
-}
-
-void OdeWorld::solve_quickly() {
-  bound_friction();
-  write_ode_rows();
-  quick_step(world_.get(), options_.step_s, quick_seed_);
-  collider_->read_joint_forces();
 }
 
 void OdeWorld::write_ode_rows() {
@@ -326,7 +315,7 @@ Wrench OdeWorld::joint_wrench(int joint) const { return chain_of(joint).wrench(a
 void OdeWorld::archive(StateArchive& archive) {
   bool held = dBodyIsKinematic(bodies_->of(0)) != 0;
   if (archive.writes()) saved_.save(bodies_->all());
-  archive(steps_, solver_warnings_, unsettled_steps_, quick_seed_, held, saved_, chains_, collider_, tree_);
+  archive(steps_, solver_warnings_, unsettled_steps_, held, saved_, chains_, collider_, tree_);
   if (archive.writes()) return;
   if (held) {
     dBodySetKinematic(bodies_->of(0));

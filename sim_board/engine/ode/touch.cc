@@ -12,10 +12,6 @@ namespace {
 // A smaller normal force is rounding.
 constexpr double kMinNormal_N = 1e-6;
 
-// The iterative stepper turns a sliding point's friction by at most this in a step, in radians; otherwise the
-// points of a sole can alternate between the corners of their bounds. The force exceeds the ellipse by 1 %.
-constexpr double kMaxTurn = 0.14;
-
 // A surface without friction along the first direction exchanges the directions, since a law has always a
 // first one.
 bool exchanges_directions(const dSurfaceParameters& surface) { return !(surface.mu > 0.0); }
@@ -71,7 +67,7 @@ std::array<Eigen::Vector3d, 2> friction_axes(const dContact& contact) {
 }
 
 // Without a guess of the normal force, ODE bounds friction by the normal force in the absence of friction.
-dContact ode_contact(const Touch& touch, double target_m_per_s, bool bounds_by_present_force) {
+dContact ode_contact(const Touch& touch, double target_m_per_s) {
   dContact contact = touch.contact;
   contact.geom.depth = 0.0;
   dSurfaceParameters& surface = contact.surface;
@@ -80,14 +76,12 @@ dContact ode_contact(const Touch& touch, double target_m_per_s, bool bounds_by_p
   const bool is_loaded = touch.guess.normal > kMinNormal_N;
   const FrictionRows rows = friction_rows(touch.friction, touch.guess);
   FrictionRows bounds = rows;
-  if (bounds_by_present_force || !is_loaded) {
+  if (!is_loaded) {
     bounds = friction_rows(touch.friction, {.normal = 1.0, .against = touch.guess.against});
     surface.mode |= dContactApprox1;
   }
   surface.mu = bounds.bounds[0];
   surface.mu2 = bounds.bounds[1];
-  if (bounds_by_present_force && touch.guess.speed > 0.0)
-    surface.mu2 = std::min(surface.mu2, std::abs(bounds.aside) + kMaxTurn * surface.mu2);
   surface.mode |= dContactFDir1;
   copy_vector(rows.first.x() * touch.axes_W[0] + rows.first.y() * touch.axes_W[1], contact.fdir1);
   if (is_loaded && rows.softness > 0.0) {

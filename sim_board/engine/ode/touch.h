@@ -41,8 +41,7 @@ FrictionLaw friction_law(const dSurfaceParameters& surface);
 std::array<Eigen::Vector3d, 2> friction_axes(const dContact& contact);
 
 // The contact with its guess of friction, for ODE's contact joint. `target_m_per_s` is that of its normal
-// row. `bounds_by_present_force`: the solver is the iterative one, which bounds friction by the present
-// normal force.
-dContact ode_contact(const Touch& touch, double target_m_per_s, bool bounds_by_present_force);
+// row.
+dContact ode_contact(const Touch& touch, double target_m_per_s);
 
 }  // namespace koboshi::sim

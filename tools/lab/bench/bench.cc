@@ -141,13 +141,6 @@ std::vector<BenchStepper> bench_steppers() {
   for (const std::string& name : sim::stepper_names()) {
     const sim::Stepper stepper = *sim::stepper_named(name);
     if (stepper == sim::Stepper::kMujoco && !sim::has_mujoco()) continue;
-    if (stepper == sim::Stepper::kQuick) {
-      for (const int iterations : {20, 50, 200}) {
-        steppers.push_back({.name = name + "_" + std::to_string(iterations),
-                            .physics = {.stepper = stepper, .quick_iterations = iterations}});
-      }
-      continue;
-    }
     steppers.push_back({.name = name, .physics = {.stepper = stepper}});
     if (stepper == sim::Stepper::kWorld) {
       steppers.push_back(

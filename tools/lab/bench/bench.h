@@ -20,8 +20,7 @@ struct BenchStepper {
   bool is_ode() const { return physics.stepper != sim::Stepper::kMujoco; }
 };
 
-// All steppers of this program: the named ones at 1 ms, `world` with friction by rows, `quick` with three
-// numbers of iterations.
+// All steppers of this program: the named ones at 1 ms and `world` with friction by rows.
 std::vector<BenchStepper> bench_steppers();
 
 // Largest errors of an accurate squat.

@@ -99,8 +99,7 @@ sim::Scenario squat_scenario(const ValidationSetup& setup) {
   scenario.commands = {{.at_us = 700'000, .kind = sim::Command::Kind::kEnable},
                        {.at_us = 1'500'000, .kind = sim::Command::Kind::kPlay, .motion = 0}};
   scenario.physics = {.step_us = static_cast<std::uint64_t>(std::llround(1e6 * setup.world.step_s)),
-                      .stepper = setup.world.stepper,
-                      .quick_iterations = setup.world.quick_iterations};
+                      .stepper = setup.world.stepper};
   return scenario;
 }
 

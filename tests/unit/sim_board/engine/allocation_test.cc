@@ -30,9 +30,7 @@ TEST_P(Allocations, DoNotOccurInAStep) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Engines, Allocations,
-                         testing::Values(Stepper::kWorld, Stepper::kLumped, Stepper::kMujoco,
-                                         Stepper::kQuick),
-                         engine_name);
+                         testing::Values(Stepper::kWorld, Stepper::kLumped, Stepper::kMujoco), engine_name);
 
 TEST(World, StepsOnEveryKindOfGroundWithoutAllocation) {
   WorldOptions options;

@@ -119,9 +119,7 @@ TEST_P(SavedWorld, HangsOnItsStandAgain) {
   EXPECT_EQ(step(*world, 20, random), on);
 }
 
-INSTANTIATE_TEST_SUITE_P(, SavedWorld,
-                         testing::Values(Stepper::kWorld, Stepper::kLumped, Stepper::kQuick,
-                                         Stepper::kMujoco),
+INSTANTIATE_TEST_SUITE_P(, SavedWorld, testing::Values(Stepper::kWorld, Stepper::kLumped, Stepper::kMujoco),
                          engine_name);
 
 }  // namespace

@@ -174,12 +174,12 @@ TEST_P(SeveralWorlds, InParallelAreBitIdenticalToOneAlone) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Steppers, SeveralWorlds,
-                         testing::Values(Stepper::kWorld, Stepper::kMujoco, Stepper::kQuick), engine_name);
+                         testing::Values(Stepper::kWorld, Stepper::kLumped, Stepper::kMujoco), engine_name);
 
 TEST(SeveralWorlds, InOneThreadAreIndependent) {
-  WorldOptions quick;
-  quick.stepper = Stepper::kQuick;
-  Humanoid alone(quick, 0.4), one(quick, 0.4), other(quick, 0.4);
+  WorldOptions options;
+  options.stepper = Stepper::kLumped;
+  Humanoid alone(options, 0.4), one(options, 0.4), other(options, 0.4);
   alone.run(0.1);
   for (int i = 0; i < 100; ++i) {
     one.run(0.001);

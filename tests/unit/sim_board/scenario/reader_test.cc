@@ -50,8 +50,8 @@ TEST(ScenarioReader, ReadsEverySetting) {
   EXPECT_TRUE(scenario.teleop);
   EXPECT_EQ(scenario.computing_time_us, 800u);
   EXPECT_EQ(scenario.physics.step_us, 250u);
-  EXPECT_EQ(scenario.physics.stepper, Stepper::kQuick);
-  EXPECT_EQ(scenario.physics.quick_iterations, 80);
+  EXPECT_EQ(scenario.physics.stepper, Stepper::kWorld);
+  EXPECT_EQ(scenario.physics.friction, FrictionMethod::kRows);
   EXPECT_EQ(scenario.ground.friction, 0.6);
   ASSERT_TRUE(scenario.ground.softness);
   EXPECT_EQ(scenario.ground.softness->stiffness_N_per_m, 3000.0);
@@ -121,6 +121,12 @@ TEST(ScenarioReader, ReadsNoiseAsSwitchOrFactor) {
   EXPECT_THAT(refusal(kShort, {"noise=-1"}), HasSubstr("-1"));
 }
 
+TEST(ScenarioReader, KeepsTheDefaultStepperBesideOtherPhysics) {
+  const TemporaryTree tree;
+  EXPECT_EQ(read(tree, kShort).physics.stepper, Physics{}.stepper);
+  EXPECT_EQ(read(tree, kShort, {"physics.step_ms=0.5"}).physics.stepper, Physics{}.stepper);
+}
+
 TEST(ScenarioReader, AcceptsTheSecondEngineOnlyIfAvailable) {
   const TemporaryTree tree;
   if (has_mujoco()) {
@@ -178,7 +184,7 @@ TEST(ScenarioReader, RejectsValuesOutOfRangeAndUnknownKeys) {
       {"physics: {step_ms: 0.3}", "step_ms = 0.3"},
       {"physics: {step_ms: 0.0125}", "step_ms = 0.0125"},
       {"physics: {stepper: fast}", "fast"},
-      {"physics: {iterations: 0}", "iterations = 0"},
+      {"physics: {friction: little}", "friction = little"},
       {"ground: {friction: -0.1}", "-0.1"},
       {"ground: {stiffness_N_per_m: 3000}", "damping_N_s_per_m"},
       {"ground: {damping_N_s_per_m: 20}", "damping_N_s_per_m"},

@@ -23,7 +23,7 @@ seed: 7
 noise: 0.5
 controller: {computing_time_us: 800}
 teleop: true
-physics: {step_ms: 0.25, stepper: quick, iterations: 80}
+physics: {step_ms: 0.25, stepper: world, friction: rows}
 ground: {friction: 0.6, stiffness_N_per_m: 3000, damping_N_s_per_m: 20, tilt_deg: [1, -2]}
 initial: {drop_m: 0.01, fixed_base: true, joints_deg: {left_knee: 40, right_knee: -20}}
 commands:
