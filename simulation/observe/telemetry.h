@@ -33,19 +33,15 @@ struct Telemetry {
     bool valid = false;
   };
   std::array<FootZmp, 2> foot_zmp{};  // by Side, each in its own sole's frame
-  struct {
+  struct Zmp {
     double x_m = 0.0;
     double y_m = 0.0;
     bool valid = false;
-    hal::Side frame = hal::Side::kLeft;  // the foot with more load
-  } zmp;                                 // of both feet, in the sole frame of `frame`
-  std::array<double, 3> com_S_m{};       // centre of mass from the joint angles, in the same frame
-  struct {
-    double x_m = 0.0;
-    double y_m = 0.0;
-    bool valid = false;
-    hal::Side frame = hal::Side::kLeft;
-  } planned_zmp;  // of a walk by command, in the sole frame of `frame`
+    hal::Side frame = hal::Side::kLeft;  // the position is in the sole frame of this foot
+  };
+  Zmp zmp;                          // of both feet; the frame is that of the foot with more load
+  std::array<double, 3> com_S_m{};  // centre of mass from the joint angles, in the frame of `zmp`
+  Zmp planned_zmp;                  // of a walk by command
   struct Joint {
     double target_rad = 0.0;
     double position_rad = 0.0;  // from the encoder

@@ -63,7 +63,7 @@ std::optional<WalkObserver::PlannedZmp> WalkObserver::plan_of(const Telemetry& s
     const GaitInstant instant = plan_(kTick_s * ticks_ - kInEffect_s);
     return PlannedZmp{instant.support, instant.zmp_S_m};
   }
-  const auto& planned = said.planned_zmp;
+  const Telemetry::Zmp& planned = said.planned_zmp;
   if (!planned.valid) return std::nullopt;
   return PlannedZmp{planned.frame, {planned.x_m, planned.y_m}};
 }
