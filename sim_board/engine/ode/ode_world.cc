@@ -105,7 +105,8 @@ class OdeWorld final : public World {
 
     void archive(StateArchive& archive) { archive(step, soles); }
   };
-  std::optional<Tree> tree_;  // solves the step (kLumped) or finds the guesses for ODE's solver (kWorld)
+  std::optional<Tree>
+      tree_;  // solves the step (kLumped) or finds the guesses for ODE's solver (kWorld); made last
 };
 
 OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
@@ -121,10 +122,8 @@ OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
   pose_bodies(tree.poses(robot_, options_.X_WB, options_.joint_positions_rad));
   if (options_.fixed_base) dBodySetKinematic(bodies_->of(0));
   collider_ = std::make_unique<Collider>(world_.get(), robot_, tree, *bodies_, options_);
-  if (options_.stepper != Stepper::kQuick) {
-    tree_.emplace(Tree{TreeStep(robot_, *bodies_, chains_, options_.gravity_W_m_per_s2, options_.step_s),
-                       Soles(robot_, *bodies_, options_.step_s)});
-  }
+  tree_.emplace(Tree{TreeStep(robot_, *bodies_, chains_, options_.gravity_W_m_per_s2, options_.step_s),
+                     Soles(robot_, *bodies_, options_.step_s)});
 }
 
 void OdeWorld::make_world() {
