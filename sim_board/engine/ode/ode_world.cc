@@ -105,8 +105,8 @@ class OdeWorld final : public World {
 
     void archive(StateArchive& archive) { archive(step, soles); }
   };
-  std::optional<Tree>
-      tree_;  // solves the step (kLumped) or finds the guesses for ODE's solver (kWorld); made last
+  // Solves the step (kLumped) or finds the guesses for ODE's solver (kWorld). Made after all the others.
+  std::optional<Tree> tree_;
 };
 
 OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
