@@ -24,8 +24,6 @@
 namespace koboshi::sim {
 namespace {
 
-constexpr unsigned kStepMemory_bytes = 768u << 10;
-
 // Maximum number of friction guesses per step; then the solver decides. A squat needs 1.12 on average, a walk
 // 1.17.
 constexpr int kMaxGuesses = 4;
@@ -135,11 +133,6 @@ void OdeWorld::make_world() {
   const Eigen::Vector3d& g = options_.gravity_W_m_per_s2;
   dWorldSetGravity(world_.get(), g.x(), g.y(), g.z());
   dWorldSetAutoDisableFlag(world_.get(), 0);
-  // Reserves the memory of a step once, for more contacts than a fall has, and keeps it.
-  const dWorldStepReserveInfo memory{.struct_size = sizeof(dWorldStepReserveInfo),
-                                     .reserve_factor = 1.2F,
-                                     .reserve_minimum = kStepMemory_bytes};
-  dWorldSetStepMemoryReservationPolicy(world_.get(), &memory);
 }
 
 void OdeWorld::make_joints(std::span<const HingeChain> chains) {
