@@ -20,6 +20,18 @@ TEST(Squat, BootsLimpAndStandsUpOnCommandOnly) {
   EXPECT_EQ(run.torque_count(), 20);
 }
 
+// The limp legs drag their soles over the ground, where friction unloads the points that it acts on.
+TEST(Squat, HangsLimpOnItsStandWithCoulombsFriction) {
+  RobotRun run(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"));
+  std::size_t touching_steps = 0;
+  while (run.now_us() < 1'000'000) {
+    run.run_until_us(run.now_us() + 1'000);
+    if (!run.board().world().contacts().empty()) ++touching_steps;
+  }
+  EXPECT_GT(touching_steps, 500u);
+  EXPECT_EQ(run.board().world().unsettled_steps(), 0u);
+}
+
 TEST(Squat, GoesDownByThreeCentimetresAndUpAgainWithoutFaults) {
   RobotRun run(quick_squat());
   run.run_until_us(3'400'000);

@@ -14,6 +14,13 @@ constexpr std::size_t kUsualRows = 128;
 constexpr int kMaxTreeSolutions = 40;
 constexpr double kTolerance = 1e-5;
 
+// Solutions of a step whose normal impulses are taken as they are. Most steps need fewer. Then the guesses
+// are relaxed, because where friction unloads the point that it acts on, they would alternate forever.
+constexpr int kPlainSolutions = 3;
+// Limits of the share of the change that a relaxed guess takes.
+constexpr double kMinRelaxation = 0.02;
+constexpr double kMaxRelaxation = 1.0;
+
 std::size_t to_index(int number) { return static_cast<std::size_t>(number); }
 
 double dot(const double* one, const double* other, std::size_t size) {
@@ -32,6 +39,8 @@ TreeSolver::TreeSolver(std::size_t bodies, std::span<const JointSpace::Joint> jo
   rows_.reserve(kUsualRows);
   frictions_.reserve(kUsualRows);
   friction_rows_.reserve(kUsualRows);
+  normals_.reserve(kUsualRows);
+  normal_changes_.reserve(kUsualRows);
   A_.resize(kUsualRows * kUsualRows);
   b_.resize(kUsualRows);
   impulses_.resize(kUsualRows);
@@ -112,12 +121,37 @@ bool TreeSolver::solve_rows() {
     if (!lcp_.solve()) return false;
     read_impulses();
     settled_ = frictions_.empty() || improve_guesses() <= kTolerance;
+    if (!settled_) relax_guesses(solution);
   }
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     solutions_[r].x = impulses_[r];
     solutions_[r].side = lcp_.sides()[r];
   }
   return true;
+}
+
+// Aitken's relaxation of the normal impulses (U. Kuettler and W. A. Wall, "Fixed-point fluid-structure
+// interaction solvers with dynamic relaxation", 2008, equation 44). If the changes are linear in one mode,
+// the guess after two solutions is exact.
+void TreeSolver::relax_guesses(int solution) {
+  const std::size_t count = frictions_.size();
+  normal_changes_.resize(count);
+  double product = 0.0;
+  double square = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double change = frictions_[i].guess.normal - normals_[i];
+    const double difference = change - normal_changes_[i];
+    product += normal_changes_[i] * difference;
+    square += difference * difference;
+    normal_changes_[i] = change;
+  }
+  if (solution < kPlainSolutions || square == 0.0) {
+    relaxation_ = 1.0;
+    return;
+  }
+  relaxation_ = std::clamp(-relaxation_ * product / square, kMinRelaxation, kMaxRelaxation);
+  for (std::size_t i = 0; i < count; ++i)
+    frictions_[i].guess.normal = normals_[i] + relaxation_ * normal_changes_[i];
 }
 
 void TreeSolver::write_problem() {
@@ -128,7 +162,9 @@ void TreeSolver::write_problem() {
   std::copy_n(impulses_.begin(), count, lcp_.x().begin());
   for (std::size_t r = 0; r < count; ++r) lcp_.bounds()[r] = {rows_[r].lower, rows_[r].upper};
   friction_rows_.clear();
+  normals_.clear();
   for (const TreeFriction& friction : frictions_) {
+    normals_.push_back(friction.guess.normal);
     friction_rows_.push_back(friction_rows(friction.law, friction.guess));
     const FrictionRows& rows = friction_rows_.back();
     for (std::size_t i = 0; i < friction.rows(); ++i)

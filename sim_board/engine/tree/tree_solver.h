@@ -94,6 +94,7 @@ class TreeSolver {
   // Improves the guesses. Returns the largest error of a contact point relative to the largest normal
   // impulse.
   double improve_guesses();
+  void relax_guesses(int solution);
   void apply_impulses();
 
   JointSpace tree_;
@@ -103,6 +104,9 @@ class TreeSolver {
   std::vector<Vector6> body_impulses_;  // by body
   std::vector<TreeFriction> frictions_;
   std::vector<FrictionRows> friction_rows_;  // of the present solution
+  std::vector<double> normals_;              // guesses of the present solution, by friction
+  std::vector<double> normal_changes_;       // to the normals that the last solution found
+  double relaxation_ = 1.0;
   std::vector<double> A_;                    // as in lcp_, but with rows that are not turned
   std::vector<double> b_;
   std::vector<double> impulses_;
