@@ -133,6 +133,11 @@ TEST_F(ModelEditTest, ConvertsUnits) {
   set("left_shank.mass", "0.05 kg");
   EXPECT_EQ(value("left_shank.mass"), "0.05");
   EXPECT_THROW(set("left_shank.mass", "5 mm"), sim::InputError);
+  set("left_shank.mass", "45g");
+  EXPECT_EQ(value("left_shank.mass"), "0.045");
+  set("left_shank.mass", "0.0450kg");
+  EXPECT_EQ(value("left_shank.mass"), "0.0450");
+  set("left_shank.com", "1mm 0mm -3cm");
   const ModelField knee = find_field(document_, "left_knee.lower");
   EXPECT_EQ(shown_text(knee, "2.617994"), "150");
   EXPECT_EQ(shown_unit(knee), "deg");
