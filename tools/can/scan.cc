@@ -35,12 +35,14 @@ class Scanner {
 
   ScanResult run() {
     const Clock::time_point start = Clock::now();
-    // The first channels of silent drives are for buses of other makers. They are asked once if nodes are
-    // found by then; if not, everything is asked again: the machine or the bus may be too busy.
+    // A node may be booting, and the machine or the bus busy: what has not answered is asked twice, and again
+    // while no node is found. The first channel of drives that are silent on the second is for those of other
+    // makers.
     for (int round = 0; round < kScanRounds && (round < 2 || nodes_.empty()); ++round) {
       identify_unconfigured();
-      const bool on_second = options_.channel != SdoChannel::kFirst && round % 2 == 0;
-      if (request_all(on_second)) listen(options_.listen_us, kMaxListening);
+      request_all(options_.channel == SdoChannel::kSecond ||
+                  (options_.channel == SdoChannel::kAutomatic && round % 2 == 0));
+      listen(options_.listen_us, kMaxListening);
     }
     result_.duration_s = std::chrono::duration<double>(Clock::now() - start).count();
     for (auto& [node, found] : nodes_) {
@@ -59,17 +61,11 @@ class Scanner {
     send_surely(transport_, frame);
   }
 
-  // Asks the nodes that have not answered, drives on their second or on their first channel. Returns whether
-  // there is any to ask.
-  bool request_all(bool drives_on_second) {
-    bool asked = false;
+  // Asks the nodes that have not answered, drives on their second or on their first channel.
+  void request_all(bool drives_on_second) {
     for (std::uint8_t node = 1; node <= canopen::kMaxNodeId; ++node) {
       const bool second = drives_on_second && sim::has_pc_sdo(node);
-      const bool again = asked_.contains({node, second}) && !nodes_.empty();
-      if (again || has_answered(node)) continue;
-      if (options_.channel == SdoChannel::kSecond && !second) continue;
-      asked_.insert({node, second});
-      asked = true;
+      if (has_answered(node) || (options_.channel == SdoChannel::kSecond && !second)) continue;
       const int base = second ? sim::kPcSdoRequestBase : canopen::kSdoRequestBase;
       send_surely(transport_,
                   {.identifier = static_cast<std::uint16_t>(base + node),
@@ -77,7 +73,6 @@ class Scanner {
                    .data = canopen::sdo::message(canopen::sdo::kInitiateUploadRequest, kDeviceType, 0)});
       listen(options_.request_period_us, 1);
     }
-    return asked;
   }
 
   bool has_answered(std::uint8_t node) const {
@@ -184,9 +179,8 @@ class Scanner {
   ScanOptions options_;
   ScanResult result_;
   std::map<std::uint8_t, FoundNode> nodes_;
-  std::set<std::pair<std::uint8_t, bool>> asked_;  // node, and whether on the second channel
-  std::set<std::uint8_t> on_second_;               // nodes that answer there
-  std::size_t finds_ = 0;                          // nodes, and answers of nodes
+  std::set<std::uint8_t> on_second_;  // nodes that answer there
+  std::size_t finds_ = 0;             // nodes, and answers of nodes
 };
 
 std::string hex_text(std::optional<std::uint32_t> value) {

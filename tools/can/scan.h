@@ -38,7 +38,7 @@ struct ScanResult {
   double duration_s = 0.0;                // of the search for nodes
 };
 
-inline constexpr int kScanRounds = 5;         // of requests, while no node is found
+inline constexpr int kScanRounds = 5;         // of requests, while no node is found; else two
 inline constexpr unsigned kMaxListening = 5;  // times listen_us, while further nodes are found
 
 // Finds the nodes of a bus: by their heartbeats, and by an SDO upload of object 1000 from each of the ids 1

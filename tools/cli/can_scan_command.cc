@@ -20,9 +20,9 @@ void add_can_scan_command(CLI::App& can, Invocation& invocation) {
   command->footer(
       R"(Reads the device type (1000) of the ids 1 to 127 by SDO, listens for heartbeats, and reads identity (1018) and
 name (1008) of the nodes that answer. Drives are asked on their second SDO channel, which a controller on the bus does
-not use, and then on the first if they do not answer. It listens for --duration, and on while further nodes are found,
-up to five times as long. If no node is found, it asks up to five times, and says what passed on the bus. Exit status:
-0 nodes were found; 1 none.
+not use, and then on the first if they do not answer. All that have not answered are asked twice; after each time it
+listens for --duration, and on while further nodes are found, up to five times as long. If no node is found, it asks up
+to five times, and says what passed on the bus. Exit status: 0 nodes were found; 1 none.
 
 Example:
   koboshi can scan --can socketcan:vcan0

@@ -72,6 +72,18 @@ TEST(YamlReader, ConvertsToTheUnitOfTheKey) {
             complaint("x_s: \"5s\"\n", [](const YamlMap& root) { root.number("x_s"); }));
 }
 
+TEST(YamlReader, ReadsLinesOfOtherSystemsOrRefusesThem) {
+  const auto read = [](const YamlMap& root) {
+    EXPECT_EQ(root.number("x"), 1.0);
+    EXPECT_EQ(root.number("y"), 2.0);
+  };
+  EXPECT_EQ("nothing", complaint("\xEF\xBB\xBFx: 1 # one\r\ny: 2\r\n", read));
+  EXPECT_EQ("FILE:1: found a line that ends with CR alone, expected LF or CR LF",
+            complaint("x: 1 # one\ry: 2\r", read));
+  EXPECT_EQ("FILE:2: found a line that ends with CR alone, expected LF or CR LF",
+            complaint("x: 1\r\ny: 2\r", read));
+}
+
 TEST(YamlReader, UsesTheFallbackOnlyForAMissingKey) {
   EXPECT_EQ("nothing", complaint("a: 1\n", [](const YamlMap& root) {
               root.integer("a");
