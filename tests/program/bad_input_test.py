@@ -145,7 +145,7 @@ class BadInput(unittest.TestCase):
 
     def test_what_nobody_sees_is_shown(self):
         for arguments in (["run", "a\u202eb.yaml"], ["can", "send", "12\u200b3"], ["can", "dump", "x", "--no\u2066pe"],
-                          ["can", "sdo", "read", "1\u00a0", "1000"], ["da\u202ance"]):
+                          ["can", "sdo", "read", "1", "10\u00a018"], ["da\u202ance"]):
             with self.subTest(arguments):
                 result = PROGRAM.run(*arguments, cwd=self.folder)
                 self.assertEqual(result.returncode, 2)
