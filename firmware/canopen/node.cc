@@ -1,5 +1,7 @@
 #include "firmware/canopen/node.h"
 
+#include <utility>
+
 #include "firmware/canopen/frame.h"
 #include "firmware/canopen/sync.h"
 
@@ -229,7 +231,7 @@ void Node::on_rpdo(std::size_t number, const hal::CanFrame& frame, std::uint64_t
 
 void Node::take_effect(std::size_t number, Rpdo& pdo, const std::array<std::uint8_t, 8>& data) {
   pdo.pending = false;
-  const ObjectAddress refused = pdo.record.unpack(dictionary_, data.data());
+  const std::uint8_t refused = pdo.record.unpack(dictionary_, data.data());
   if (refused != pdo.refused) note_refusal(number, refused);
   application_.on_rpdo(number);
 }
@@ -302,17 +304,19 @@ void Node::note_reception(std::size_t number, Reception reception) {
   }
 }
 
-// Each object that is refused anew is an event of its own, although the error is present already.
-void Node::note_refusal(std::size_t number, ObjectAddress refused) {
-  rpdos_[number].refused = refused;
-  if (refused.index == 0) {
-    if (!rpdos_.any_refused()) report(error_code::kParameter, false);
-    return;
+// Each object that is refused anew is an event of its own, although the error is present already: at most
+// kMaxMappedObjects messages for a PDO, and none for the next one with the same fault.
+void Node::note_refusal(std::size_t number, std::uint8_t refused) {
+  const unsigned before = std::exchange(rpdos_[number].refused, refused);
+  if (refused == 0 && !rpdos_.any_refused()) report(error_code::kParameter, false);
+  for (std::size_t i = 0; i < kMaxMappedObjects; ++i) {
+    if ((refused & ~before & (1u << i)) == 0) continue;
+    const ObjectAddress object = rpdos_[number].record.mapped_address(i);
+    static_cast<void>(errors_.raise(error_code::kParameter, 0, object.index, ErrorReporter::kStack));
+    send_emergency(error_code::kParameter,
+                   {static_cast<std::uint8_t>(object.index), static_cast<std::uint8_t>(object.index >> 8),
+                    object.subindex, static_cast<std::uint8_t>(number + 1)});
   }
-  static_cast<void>(errors_.raise(error_code::kParameter, 0, refused.index, ErrorReporter::kStack));
-  send_emergency(error_code::kParameter,
-                 {static_cast<std::uint8_t>(refused.index), static_cast<std::uint8_t>(refused.index >> 8),
-                  refused.subindex, static_cast<std::uint8_t>(number + 1)});
 }
 
 // Heartbeats have nearly the lowest priority: on a bus that is full of SDO messages none gets through. So no
@@ -345,7 +349,7 @@ void Node::watch_heartbeats(std::uint64_t now_us) {
 void Node::on_rpdo_changed(std::size_t number) {
   rpdos_.on_changed(number);
   note_reception(number, Reception::kRight);
-  note_refusal(number, {});
+  note_refusal(number, 0);
 }
 
 void Node::restart_rpdo_timer(std::size_t number, std::uint64_t now_us) {

@@ -70,8 +70,8 @@ class NodeApplication {
   // TPDOs are packed.
   virtual void on_sync(std::uint64_t /*now_us*/) {}
   // RPDO `number` (from 0) has taken effect, but for values that its objects do not take: these are ignored,
-  // with EMCY 0x6320 and the object's index and sub-index and the PDO's number (from 1) in its manufacturer
-  // field.
+  // with EMCY 0x6320 for each of them when it begins, and the object's index and sub-index and the PDO's
+  // number (from 1) in its manufacturer field.
   virtual void on_rpdo(std::size_t /*number*/) {}
   // RPDO `number` has been silent for longer than its event timer: once, until the timer starts again.
   // Returns whether that is an error, which the node then reports.
@@ -327,7 +327,7 @@ class Node final : private ObjectServer {
   // Errors that the stack itself detects. `detail` goes into the message's manufacturer field.
   void report(std::uint16_t code, bool present, std::uint8_t detail = 0);
   void note_reception(std::size_t number, Reception reception);
-  void note_refusal(std::size_t number, ObjectAddress refused);
+  void note_refusal(std::size_t number, std::uint8_t refused);
   void watch_own_beats(std::uint64_t now_us);
   void take_can_status(const hal::CanStatus& status, std::uint64_t now_us);
   void watch_heartbeats(std::uint64_t now_us);

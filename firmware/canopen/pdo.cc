@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace koboshi::canopen {
 namespace {
@@ -153,9 +154,11 @@ AbortCode PdoRecord::write_mapped_count(std::uint32_t count, const Dictionary& d
   return AbortCode::kNone;
 }
 
-ObjectAddress PdoRecord::unpack_checked(Dictionary& dictionary, const std::uint8_t* data) const {
-  ObjectAddress refused;
+std::uint8_t PdoRecord::unpack_checked(Dictionary& dictionary, const std::uint8_t* data) const {
+  unsigned refused = 0;
+  unsigned bit = 1;
   for (const MappedObject& object : mapped()) {
+    const unsigned own = std::exchange(bit, bit << 1);
     const ObjectAddress address{object.index, object.subindex};
     std::uint32_t value = 0;
     std::memcpy(&value, data, object.size_bytes);
@@ -164,11 +167,11 @@ ObjectAddress PdoRecord::unpack_checked(Dictionary& dictionary, const std::uint8
     if (dictionary.find(address, location) != AbortCode::kNone) continue;  // a gap
     if (Dictionary::check_value(*location.entry, value) == AbortCode::kNone) {
       dictionary.store(location, value);
-    } else if (refused.index == 0) {
-      refused = address;
+    } else {
+      refused |= own;
     }
   }
-  return refused;
+  return static_cast<std::uint8_t>(refused);
 }
 
 AbortCode PdoRecord::resolve(std::uint32_t entry, const Dictionary& dictionary, MappedObject& object) const {
@@ -224,7 +227,7 @@ bool RpdoSet::any(Reception reception) const {
 }
 
 bool RpdoSet::any_refused() const {
-  return std::ranges::any_of(pdos_, [](const Rpdo& pdo) { return pdo.refused.index != 0; });
+  return std::ranges::any_of(pdos_, [](const Rpdo& pdo) { return pdo.refused != 0; });
 }
 
 void RpdoSet::set_deadline(Rpdo& pdo, std::uint64_t deadline_us) {

@@ -18,7 +18,7 @@
 // when data are taken over and sent.
 namespace koboshi::canopen {
 
-inline constexpr std::size_t kMaxMappedObjects = 8;  // one byte each
+inline constexpr std::size_t kMaxMappedObjects = 8;  // one byte each; a bit each in Rpdo::refused
 
 // Indices of the records, one for each PDO of a node: the communication records of RPDOs and TPDOs, and
 // behind each its mapping.
@@ -116,8 +116,8 @@ class PdoRecord {
   }
 
   // Copy the mapped values to or from `size_bytes()` bytes of data. `unpack` leaves an object as it is if
-  // Dictionary::check_value refuses its value, processes the others, and returns the first one refused; index
-  // 0: none.
+  // Dictionary::check_value refuses its value, processes the others, and returns those refused: bit i, object
+  // i of the mapping.
   void pack(const Dictionary& dictionary, std::uint8_t* data) const {
     const std::byte* const values = dictionary.value_at(0);
     for (const MappedObject& object : mapped()) {
@@ -126,7 +126,7 @@ class PdoRecord {
       data += size;
     }
   }
-  ObjectAddress unpack(Dictionary& dictionary, const std::uint8_t* data) const {
+  std::uint8_t unpack(Dictionary& dictionary, const std::uint8_t* data) const {
     if (restricted_) return unpack_checked(dictionary, data);
     std::byte* const values = dictionary.value_at(0);
     for (const MappedObject& object : mapped()) {
@@ -134,8 +134,10 @@ class PdoRecord {
       if (object.offset != MappedObject::kDummy) copy_value(values + object.offset, data, size);
       data += size;
     }
-    return {};
+    return 0;
   }
+  // Object `i` of the mapping.
+  ObjectAddress mapped_address(std::size_t i) const { return {objects_[i].index, objects_[i].subindex}; }
 
   friend bool operator==(const PdoRecord&, const PdoRecord&) = default;
 
@@ -151,7 +153,7 @@ class PdoRecord {
     }
   }
   std::span<const MappedObject> mapped() const { return {objects_.data(), mapped_count_}; }
-  ObjectAddress unpack_checked(Dictionary& dictionary, const std::uint8_t* data) const;
+  std::uint8_t unpack_checked(Dictionary& dictionary, const std::uint8_t* data) const;
   AbortCode write_cob_id(std::uint32_t cob_id);
   AbortCode write_mapped_count(std::uint32_t count, const Dictionary& dictionary);
   AbortCode resolve(std::uint32_t entry, const Dictionary& dictionary, MappedObject& object) const;
@@ -179,7 +181,7 @@ struct Rpdo {
   PdoRecord record{PdoDirection::kReceive};
   bool pending = false;  // data wait for the next SYNC
   Reception reception = Reception::kRight;
-  ObjectAddress refused;  // the first object in the last reception whose value was refused; index 0: none
+  std::uint8_t refused = 0;  // objects of the mapping, as of unpack(), in the last reception
   std::array<std::uint8_t, 8> data{};
   std::uint64_t deadline_us = kNever;  // of its event timer
 };

@@ -117,7 +117,7 @@ std::optional<BusFrame> parse_foreign(Parser& text, ForeignFrame frame) {
     frame.kind = ForeignFrame::Kind::kFd;
     frame.flags = static_cast<std::uint8_t>(flags);
     static_cast<void>(text.literal('.'));
-    if (!parse_data(text, frame.data, frame.size)) return std::nullopt;
+    if (!parse_data(text, frame.data, frame.size) || !is_fd_size(frame.size)) return std::nullopt;
     return frame;
   }
   if (!parse_content(text, frame)) return std::nullopt;

@@ -18,6 +18,8 @@ constexpr std::uint64_t kMaxPaddedSeconds = 9'999'999'999;  // candump pads to t
 // Frames of several interfaces in disorder by less are no sign of a clock that was set.
 constexpr std::uint64_t kMaxDisorder_us = kMicrosecondsPerSecond;
 constexpr const char* kLog = "a CAN log";
+constexpr const char* kLine = "`(SECONDS.MICROSECONDS) INTERFACE IDENTIFIER#DATA`, as `candump -L` writes it";
+constexpr const char* kFdSizes = "; CAN FD has 0 to 8, 12, 16, 20, 24, 32, 48 or 64 bytes";
 constexpr std::string_view kHexDigits = "0123456789ABCDEF";
 
 // The two digits of each number below base * base.
@@ -94,22 +96,28 @@ std::string log_line(const LoggedFrame& logged) {
 }
 
 CandumpReader::CandumpReader(const std::filesystem::path& file, Times times)
-    : file_(file), opened_(std::make_unique<std::ifstream>(file, std::ios::binary)), stream_(*opened_) {
+    : file_(file),
+      opened_(std::make_unique<std::ifstream>(file, std::ios::binary)),
+      stream_(*opened_),
+      lines_(stream_),
+      times_(times) {
   differences_ = times == Times::kDifferences;
   if (!stream_ || std::filesystem::is_directory(file)) throw InputError(file, 0, "no readable file", kLog);
 }
 
 CandumpReader::CandumpReader(std::istream& stream, const std::filesystem::path& name, Times times)
-    : file_(name), stream_(stream) {
+    : file_(name), stream_(stream), lines_(stream), times_(times) {
   differences_ = times == Times::kDifferences;
 }
 
 std::optional<LoggedFrame> CandumpReader::next() {
-  while (std::getline(stream_, text_)) {
+  while (lines_.next(text_)) {
     ++line_number_;
     LogLine line = parse_log_line(text_);
-    if (stream_.eof() && line.kind != LineKind::kBlank) {
-      remark("the last line has no end, as after a crash; it is left out");
+    if (stream_.eof() && !lines_.has_end() && line.kind != LineKind::kBlank) {
+      end();
+      if (!std::exchange(cut_off_, true))
+        remark("the last line has no end, as after a crash; it is left out");
       return std::nullopt;
     }
     switch (line.kind) {
@@ -126,53 +134,82 @@ std::optional<LoggedFrame> CandumpReader::next() {
                          std::string(kLog) + ": record it with `candump -L` or `candump -l`");
       case LineKind::kMalformed:
         throw InputError(file_, line_number_, one_line(text_),
-                         "`(SECONDS.MICROSECONDS) INTERFACE IDENTIFIER#DATA`, as `candump -L` writes it");
+                         std::string(kLine) + (text_.find("##") != std::string::npos ? kFdSizes : ""));
     }
   }
   if (stream_.bad()) throw InputError(file_, line_number_, "a read error", "a readable file");
+  end();
   return std::nullopt;
 }
 
-void CandumpReader::remark(const std::string& text) {
-  remarks_.push_back(file_.string() + ":" + std::to_string(line_number_) + ": " + text);
+void CandumpReader::remark(int line, const std::string& text) {
+  remarks_.push_back(file_.string() + ":" + std::to_string(line) + ": " + text);
+}
+
+// The remarks on the whole log, once.
+void CandumpReader::end() {
+  if (const std::uint64_t more = std::exchange(times_set_back_, 0); more > 1)
+    remark("the clock was set back " + count_text(more, "time"));
+  if (const std::uint64_t frames = std::exchange(disordered_, 0); frames > 0)
+    remark(first_disorder_, count_text(frames, "frame") +
+                                " out of order, this one first, by less than a second; they have the time of "
+                                "the latest before them");
 }
 
 std::uint64_t CandumpReader::time_of(const LogLine& line) {
   const std::uint64_t time_us = line.logged.time_us;
   if (!std::exchange(begun_, true)) {
     relative_ = line.zero_padded && time_us == 0;
-    if (relative_ && !differences_) differences_ = differences_follow(line.logged.interface);
+    if (relative_ && times_ == Times::kRecognised) {
+      if (const int shown_in = line_of_differences(line.logged.interface)) {
+        differences_ = true;
+        remark(shown_in,
+               "a time that is not after the previous one: the times are read as differences (candump -t d); "
+               "--times absolute reads them as they are");
+      }
+    }
+    last_interface_ = line.logged.interface;
     return last_us_ = time_us;
   }
   if (differences_) return last_us_ += time_us;
-  if (time_us + offset_us_ >= last_us_) return last_us_ = time_us + offset_us_;
-  if (relative_) {
+  if (time_us + offset_us_ < last_us_) return time_after_decrease(line);
+  last_interface_ = line.logged.interface;
+  return last_us_ = time_us + offset_us_;
+}
+
+std::uint64_t CandumpReader::time_after_decrease(const LogLine& line) {
+  if (relative_ && times_ == Times::kRecognised) {
     throw InputError(file_, line_number_, "a time before the previous frame's",
-                     "times since the first frame; --differences reads those of `candump -t d`");
+                     "times since the first frame; --times delta reads those of `candump -t d`, and --times "
+                     "absolute takes them as they are");
   }
   // Frames of two interfaces may be in disorder; more is a clock that was set back.
-  const std::uint64_t back_us = last_us_ - time_us - offset_us_;
+  const std::uint64_t back_us = last_us_ - line.logged.time_us - offset_us_;
   if (back_us > kMaxDisorder_us) {
-    remark("the clock was set back by " + number_text(1e-6 * static_cast<double>(back_us)) + " s");
+    if (times_set_back_++ == 0)
+      remark("the clock was set back by " + number_text(1e-6 * static_cast<double>(back_us)) + " s");
     offset_us_ += back_us;
+  } else if (line.logged.interface == last_interface_) {
+    if (disordered_++ == 0) first_disorder_ = line_number_;
   }
   return last_us_;
 }
 
-// Reads ahead: returns whether the times that follow are differences. Times since the first frame neither
-// decrease nor repeat, since a frame takes at least 47 us.
-bool CandumpReader::differences_follow(const std::string& first_interface) {
+// Reads ahead. Times since the first frame neither decrease nor repeat, since a frame takes at least 47 us.
+int CandumpReader::line_of_differences(const std::string& first_interface) {
   const std::istream::pos_type here = stream_.tellg();
-  if (here == std::istream::pos_type(-1)) return false;
-  bool found = false;
+  if (here == std::istream::pos_type(-1)) return 0;
+  int found = 0;
+  LineReader ahead(stream_);
   std::string text;
   LoggedFrame last{.frame = {}, .interface = first_interface};
-  while (!found && std::getline(stream_, text)) {
+  for (int number = line_number_ + 1; found == 0 && ahead.next(text); ++number) {
     const LogLine line = parse_log_line(text);
     if (line.kind != LineKind::kFrame) continue;
     const LoggedFrame& next = line.logged;
-    found = next.time_us < last.time_us ||
-            (next.time_us == last.time_us && next.time_us > 0 && next.interface == last.interface);
+    if (next.time_us < last.time_us ||
+        (next.time_us == last.time_us && next.time_us > 0 && next.interface == last.interface))
+      found = number;
     last = next;
   }
   stream_.clear();

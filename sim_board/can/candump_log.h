@@ -13,6 +13,7 @@
 
 #include "hal/port/can.h"
 #include "sim_board/can/candump_line.h"
+#include "sim_board/input/foreign_text.h"
 
 namespace koboshi::sim {
 
@@ -37,11 +38,13 @@ std::string log_line(const LoggedFrame& logged);
 // - times since the first frame (candump -t z) or since the previous one (-t d, recognised by reading ahead);
 // - a clock that was set back: the times go on from the last one. Frames in disorder by up to a second have
 //   the time of the latest;
-// - a last line without end, as after a crash: it is left out.
+// - a last line without end, as after a crash: it is left out;
+// - a byte order mark, and lines that end with CR.
 class CandumpReader {
  public:
-  // Whether to recognise differences of times (candump -t d), which a pipe does not permit.
-  enum class Times { kRecognised, kDifferences };
+  // How to read the times: as they are (-t a, -t A, -t z), as differences (-t d), or as differences only if
+  // the log begins at zero and its times then decrease or repeat, for which a pipe cannot be searched.
+  enum class Times { kRecognised, kAbsolute, kDifferences };
 
   // Throws InputError if the file cannot be opened.
   explicit CandumpReader(const std::filesystem::path& file, Times times = Times::kRecognised);
@@ -51,25 +54,39 @@ class CandumpReader {
   // Returns the next frame, or nothing at the end. Throws InputError for a line that is neither a frame nor
   // a comment.
   std::optional<LoggedFrame> next();
-  // What the user should know about the part read so far, one line for each: FILE:LINE: TEXT.
+  // What the user should know about the part read so far, one line for each: FILE:LINE: TEXT. At most one of
+  // each kind, and one more at the end of the log with the number of others.
   const std::vector<std::string>& remarks() const { return remarks_; }
+  // Whether the last remark is that the last line has no end.
+  bool is_cut_off() const { return cut_off_; }
 
  private:
-  void remark(const std::string& text);
+  void remark(const std::string& text) { remark(line_number_, text); }
+  void remark(int line, const std::string& text);
+  void end();
   std::uint64_t time_of(const LogLine& line);
-  bool differences_follow(const std::string& first_interface);
+  std::uint64_t time_after_decrease(const LogLine& line);
+  // Returns the line that shows that the times are differences; 0 if there is none.
+  int line_of_differences(const std::string& first_interface);
 
   std::filesystem::path file_;
   std::unique_ptr<std::ifstream> opened_;
   std::istream& stream_;
+  LineReader lines_;
+  Times times_;
   std::string text_;
   int line_number_ = 0;
   std::vector<std::string> remarks_;
   bool begun_ = false;
+  bool cut_off_ = false;
   bool relative_ = false;     // the first time is zero, padded to three digits
   bool differences_ = false;  // of times
   std::uint64_t last_us_ = 0;
+  std::string last_interface_;   // of the frame with the latest time
   std::uint64_t offset_us_ = 0;  // of a clock that was set back
+  std::uint64_t times_set_back_ = 0;
+  int first_disorder_ = 0;  // line of the first frame with a time before one of the same interface
+  std::uint64_t disordered_ = 0;
 };
 
 }  // namespace koboshi::sim

@@ -25,6 +25,12 @@ struct ForeignFrame {
   friend bool operator==(const ForeignFrame&, const ForeignFrame&) = default;
 };
 
+// Returns whether a frame of CAN FD can have this number of bytes: its length code has four bits (ISO
+// 11898-1).
+constexpr bool is_fd_size(std::size_t bytes) {
+  return bytes <= 8 || (bytes <= 24 && bytes % 4 == 0) || bytes == 32 || bytes == 48 || bytes == 64;
+}
+
 // Any frame on a bus.
 using BusFrame = std::variant<hal::CanFrame, ForeignFrame>;
 

@@ -52,6 +52,43 @@ bool is_control(std::string_view character) {
   return character == "\u2028" || character == "\u2029";
 }
 
+// The number of a character in valid UTF-8.
+char32_t code_point(std::string_view character) {
+  static constexpr std::array<unsigned char, 5> kFirstBits{0, 0x7F, 0x1F, 0x0F, 0x07};
+  char32_t code = static_cast<unsigned char>(character.front()) & kFirstBits[character.size()];
+  for (const char next : character.substr(1)) code = code << 6 | (static_cast<unsigned char>(next) & 0x3FU);
+  return code;
+}
+
+// Characters of Unicode that have no shape of their own, or change the order of others: controls but for tab
+// and line feed, blanks other than the plain one, and the property Default_Ignorable_Code_Point.
+bool is_hidden(char32_t code) {
+  struct Range {
+    char32_t first, last;
+  };
+  static constexpr std::array<Range, 26> kHidden{
+      {{0x00, 0x08},       {0x0B, 0x1F},       {0x7F, 0xA0},       {0xAD, 0xAD},       {0x34F, 0x34F},
+       {0x61C, 0x61C},     {0x115F, 0x1160},   {0x1680, 0x1680},   {0x17B4, 0x17B5},   {0x180B, 0x180F},
+       {0x2000, 0x200F},   {0x2028, 0x202F},   {0x205F, 0x206F},   {0x2800, 0x2800},   {0x3000, 0x3000},
+       {0x3164, 0x3164},   {0xFE00, 0xFE0F},   {0xFEFF, 0xFEFF},   {0xFFA0, 0xFFA0},   {0xFFF0, 0xFFFB},
+       {0x13430, 0x1343F}, {0x1BCA0, 0x1BCA3}, {0x1D159, 0x1D159}, {0x1D173, 0x1D17A}, {0xE0000, 0xE0FFF},
+       {0x16FE4, 0x16FE4}}};
+  return std::ranges::any_of(
+      kHidden, [code](const Range& range) { return code >= range.first && code <= range.last; });
+}
+
+std::string hex_digits(char32_t value, int digits) {
+  std::string text;
+  for (int shift = 4 * (digits - 1); shift >= 0; shift -= 4) text += "0123456789ABCDEF"[value >> shift & 15U];
+  return text;
+}
+
+// \x1B, \u202E or \U000E0001.
+std::string escape(char32_t code) {
+  if (code < 0x80) return "\\x" + hex_digits(code, 2);
+  return code < 0x10000 ? "\\u" + hex_digits(code, 4) : "\\U" + hex_digits(code, 8);
+}
+
 template <class Value>
 std::optional<Value> parse_whole(std::string_view text) {
   text = trim(text);
@@ -247,15 +284,20 @@ std::string number_text(double value) {
   return std::string(buffer.data(), result.ptr);
 }
 
+// Messages must neither look like other text nor control the terminal.
 std::string utf8_text(std::string_view text) {
-  constexpr std::string_view kDigits = "0123456789ABCDEF";
   std::string valid;
   while (!text.empty()) {
     const std::size_t bad = std::min(find_invalid_utf8(text), text.size());
-    valid += text.substr(0, bad);
+    for (std::size_t i = 0; i < bad;) {
+      const std::size_t length = std::min(character_length(text, i), bad - i);
+      const std::string_view character = text.substr(i, length);
+      const char32_t code = code_point(character);
+      valid += is_hidden(code) ? escape(code) : std::string(character);
+      i += length;
+    }
     if (bad == text.size()) break;
-    const auto byte = static_cast<unsigned char>(text[bad]);
-    valid += {'\\', 'x', kDigits[byte >> 4], kDigits[byte & 15U]};
+    valid += "\\x" + hex_digits(static_cast<unsigned char>(text[bad]), 2);
     text.remove_prefix(bad + 1);
   }
   return valid;
@@ -264,10 +306,11 @@ std::string utf8_text(std::string_view text) {
 std::string one_line(std::string_view text) {
   std::size_t length = std::min(text.size(), kMaxQuoteLength);
   while (length < text.size() && length > 0 && is_continuation(text[length])) --length;
-  std::string line = utf8_text(text.substr(0, length));
+  std::string line(text.substr(0, length));
   for (char& c : line) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
   }
+  line = utf8_text(line);
   if (text.size() > length) line += "...";
   return line;
 }

@@ -34,7 +34,7 @@ std::size_t find_invalid_utf8(std::string_view text);
 // Throws InputError with the line of the first byte that is not UTF-8. `has_lines`: whether `source` is a
 // file.
 void require_utf8(std::string_view text, const std::filesystem::path& source, bool has_lines = true);
-// Returns the text with \xNN in place of each byte that is not UTF-8.
+// Returns the text with \xNN for bytes that are not UTF-8, and escapes for characters that one cannot see.
 std::string utf8_text(std::string_view text);
 
 // The rule for all names (of robots, links, joints, servo types, materials, motions, poses, files): at least

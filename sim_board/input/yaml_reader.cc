@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sim_board/input/units.h"
+
 namespace koboshi::sim {
 namespace {
 
@@ -37,9 +39,13 @@ std::string describe_found(const YamlNode& node) {
 }
 
 double YamlValue::number(const NumberRange& range) const {
-  const auto value = is_plain(*node_) ? parse_number(node_->scalar) : std::nullopt;
+  const std::string unit = unit_of_key(node_->path);
+  const auto value = is_plain(*node_) ? parse_quantity(node_->scalar, unit) : std::nullopt;
   if (value && *value >= range.min && *value <= range.max) return *value;
-  throw InputError(node_->source.path(), node_->line, describe_found(*node_), describe(range),
+  const auto typed = is_plain(*node_) ? split_units(node_->scalar) : std::nullopt;
+  const bool has_bad_unit = !value && typed && !typed->unit.empty() && !unit.empty();
+  throw InputError(node_->source.path(), node_->line, describe_found(*node_),
+                   describe(range) + (has_bad_unit ? " with " + expected_unit(unit) : ""),
                    node_->path + ", " + describe(range));
 }
 

@@ -254,6 +254,12 @@ Override parse_override(const std::string& argument) {
 }
 
 YamlNode parse_yaml(const std::string& text, const std::filesystem::path& source) {
+  // yaml-cpp takes a comment that ends with CR alone to the next LF, and all lines up to there with it.
+  for (std::size_t at = text.find('\r'); at != std::string::npos; at = text.find('\r', at + 1)) {
+    if (text.substr(at + 1, 1) == "\n") continue;
+    const auto before = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
+    throw InputError(source, static_cast<int>(before) + 1, "a line that ends with CR alone", "LF or CR LF");
+  }
   YamlNode root = parse_any(text, {YamlSource(source)});
   if (root.kind == YamlNode::Kind::kNull)
     throw InputError(source, 1, "an empty file", "a map of keys and values");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/foreign_text.h"
 #include "sim_board/input/text.h"
 
 namespace koboshi::sim {
@@ -29,7 +30,7 @@ std::vector<Line> lines_of(std::string_view text) {
     ++number;
     std::string_view line(part.begin(), part.end());
     line = line.substr(0, line.find('#'));
-    if (line.find_first_not_of(" \t\r") != std::string_view::npos) lines.push_back({line, number});
+    if (line.find_first_not_of(" \t") != std::string_view::npos) lines.push_back({line, number});
   }
   return lines;
 }
@@ -46,8 +47,8 @@ class Words {
   Words(const fs::path& file, const std::vector<Line>& lines) : file_(file) {
     for (const Line& line : lines) {
       std::size_t begin = 0;
-      while ((begin = line.text.find_first_not_of(" \t\r", begin)) != std::string_view::npos) {
-        const std::size_t end = std::min(line.text.find_first_of(" \t\r", begin), line.text.size());
+      while ((begin = line.text.find_first_not_of(" \t", begin)) != std::string_view::npos) {
+        const std::size_t end = std::min(line.text.find_first_of(" \t", begin), line.text.size());
         words_.push_back({line.text.substr(begin, end - begin), line.number});
         begin = end;
       }
@@ -129,11 +130,12 @@ void turn_over(HeightField& field) {
 }  // namespace
 
 HeightFile read_height_file(const fs::path& file) {
-  const std::string text = read_text_file(file, "a file of heights");
+  const std::string bytes = read_text_file(file, "a file of heights");
+  if (bytes.starts_with("P5"))
+    throw InputError(file, 1, "a binary PGM (P5)", "a plain one (P2), as pnmtoplainpnm makes it");
+  const std::string text = with_line_feeds(bytes);
   const std::vector<Line> lines = lines_of(text);
   if (lines.empty()) throw InputError(file, 1, "no heights", "comma-separated heights or a plain PGM (P2)");
-  if (text.starts_with("P5"))
-    throw InputError(file, 1, "a binary PGM (P5)", "a plain one (P2), as pnmtoplainpnm makes it");
   require_utf8(text, file);
   HeightFile heights;
   heights.is_image = text.starts_with("P2");

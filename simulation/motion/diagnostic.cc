@@ -28,18 +28,19 @@ sim::InputError first_error(const std::vector<Diagnostic>& diagnostics) {
 }
 
 // Quotes the part of the line around the place. Tabs become blanks, so that the caret stands below its
-// letter; in text that is not UTF-8, question marks replace all bytes beyond ASCII.
+// letter; in text that is not UTF-8 or has characters that one cannot see, question marks replace all bytes
+// beyond ASCII.
 std::string quote(const Diagnostic& diagnostic) {
   const Place& place = diagnostic.place;
   const auto column = static_cast<std::size_t>(std::max(place.column, 1)) - 1;
   if (diagnostic.source_line.empty() || column > diagnostic.source_line.size()) return {};
   const std::size_t begin = column < kMaxQuotedColumns / 2 ? 0 : column - kMaxQuotedColumns / 2;
   std::string text = diagnostic.source_line.substr(begin, kMaxQuotedColumns);
-  const bool is_utf8 = sim::find_invalid_utf8(text) == std::string_view::npos;
-  for (char& letter : text) {
+  for (char& letter : text)
     if (static_cast<unsigned char>(letter) < ' ' || letter == '\x7f') letter = ' ';
-    if (!is_utf8 && static_cast<unsigned char>(letter) > '\x7f') letter = '?';
-  }
+  const bool is_visible = sim::utf8_text(text) == text;
+  for (char& letter : text)
+    if (!is_visible && static_cast<unsigned char>(letter) > '\x7f') letter = '?';
   const std::string number = std::to_string(place.line);
   const std::string margin(number.size(), ' ');
   std::string quoted = fmt::format(" {} | {}\n", number, text);
@@ -81,7 +82,7 @@ void Diagnostics::throw_errors() const {
 
 std::string print(const Diagnostic& diagnostic) {
   const Place& place = diagnostic.place;
-  std::string text = place.option.empty() ? diagnostic.file.string() : place.option;
+  std::string text = sim::utf8_text(place.option.empty() ? diagnostic.file.string() : place.option);
   if (place.line > 0) text += fmt::format(":{}", place.line);
   if (place.line > 0 && place.column > 0) text += fmt::format(":{}", place.column);
   text += fmt::format(": {}[{}]: found {}, expected {}\n", name_of(diagnostic.severity), diagnostic.code,

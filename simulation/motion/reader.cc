@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sim_board/input/units.h"
 #include "sim_board/input/yaml_reader.h"
 #include "simulation/motion/codes.h"
 
@@ -53,7 +54,9 @@ std::optional<double> Reader::number(const YamlNode& node, const sim::NumberRang
   const bool plain = node.kind == YamlNode::Kind::kScalar && !node.quoted;
   const auto value = plain ? sim::parse_number(node.scalar) : std::nullopt;
   if (value && *value >= range.min && *value <= range.max) return value;
-  bad_value(node, sim::describe(range));
+  // The tools that edit motions read the numbers of the text.
+  const auto typed = plain && !value ? sim::split_units(node.scalar) : std::nullopt;
+  bad_value(node, sim::describe(range) + (typed && !typed->unit.empty() ? " without a unit" : ""));
   return std::nullopt;
 }
 

@@ -5,6 +5,7 @@ can_commands.py KOBOSHI, in a network namespace of its own. `koboshi board` is t
 
 import os
 import pathlib
+import select
 import signal
 import subprocess
 import sys
@@ -91,6 +92,35 @@ class Logs(Files):
         self.assertEqual(refused.returncode, 2)
         self.assertIn("expected --bus with one of can0 or can1", refused.stderr)
 
+    def test_refuses_an_interface_without_frames(self):
+        log = self.write("two.log", "(1.000000) can0 181#00\n(1.000001) can1 181#00\n")
+        for command in (("dump",), ("stats",), ("export", "--out", self.folder / "out.csv"), ("replay", "--can", BUS)):
+            for place, options in ((log, {}), ("-", {"input": log.read_text()})):
+                result = run("can", command[0], place, *command[1:], "--bus", "nosuch", **options)
+                name = log if place == log else "standard input"
+                self.assertEqual((result.returncode, result.stderr),
+                                 (2, f"{name}: found no frames of nosuch, expected an interface of the log: can0 or can1\n"),
+                                 (command, place))
+
+    def test_says_how_it_reads_the_times(self):
+        log = self.write("delta.log", "(000.000000) can0 181#00\n(000.010000) can0 181#00\n(000.005000) can0 181#00\n")
+        for choice, times, warning in (((), "0.015000", "read as differences"), (("--times", "delta"), "0.015000", None),
+                                       (("--times", "absolute"), "0.010000", "1 frame out of order")):
+            result = run("can", "dump", log, *choice)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(result.stdout.splitlines()[-1].split()[0], times, choice)
+            self.assertEqual(len(result.stderr.splitlines()), 0 if warning is None else 1, result.stderr)
+            self.assertIn(warning or "", result.stderr)
+        pipe = run("can", "dump", "-", input=log.read_text())
+        self.assertEqual(pipe.returncode, 2)
+        self.assertIn("--times delta reads", pipe.stderr)
+
+    def test_reads_logs_of_other_systems(self):
+        log = self.write("mac.log", "\ufeff(1.000000) can0 181#00\r(1.000100) can0 181#00\r")
+        self.assertEqual(len(run("can", "dump", log).stdout.splitlines()), 2)
+        self.assertEqual(run("can", "export", log, "--out", self.folder / "OUT.ASC").returncode, 0)
+        self.assertTrue((self.folder / "OUT.ASC").read_text().startswith("base hex"))
+
     def test_refuses_the_screen_format(self):
         result = run("can", "stats", self.write("screen.log", "  vcan0  123   [2]  00 11\n"))
         self.assertEqual(result.returncode, 2)
@@ -123,6 +153,37 @@ class Logs(Files):
 
 
 class Signals(Files):
+    def end(self, process, number):
+        process.send_signal(number)
+        return process.wait(PATIENCE_S)
+
+    def test_a_file_and_a_count_are_interrupted(self):
+        log = self.write("long.log", "(1.000000) can0 181#00\n" * 200_000)
+        for number, status in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
+            dump = self.start("can", "dump", log)
+            self.assertTrue(dump.stdout.readline())
+            dump.send_signal(number)  # while it waits for room in the pipe
+            said = dump.communicate(timeout=PATIENCE_S)[1]
+            self.assertEqual(dump.returncode, status)
+            self.assertRegex(said, r"^koboshi: interrupted after \d+ frames?\n$")
+            dump = self.start("can", "dump", "--can", BUS, "--count", 1000)
+            self.see_a_frame(dump)
+            self.assertEqual(self.end(dump, number), status)
+            self.assertRegex(dump.stderr.read(), r"koboshi: interrupted after \d+ frames?\n$")
+
+    def test_a_live_bus_is_watched_until_a_signal(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            dump = self.start("can", "dump", "--can", BUS)
+            self.see_a_frame(dump)
+            self.assertEqual(self.end(dump, number), 0)
+            self.assertEqual(dump.stderr.read(), "")
+
+    def see_a_frame(self, dump):
+        with open_bus() as bus:
+            while not select.select([dump.stdout], [], [], 0.05)[0]:  # it may not listen yet
+                self.assertIsNone(dump.poll())
+                bus.send(can.Message(arbitration_id=0x80, is_extended_id=False))
+
     def test_replay_ends_in_a_pause(self):
         log = self.write("pause.log", "(1.000000) can0 123#\n(3601.000000) can0 124#\n")
         for number, status in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
@@ -157,6 +218,21 @@ class LiveBus(Files):
         drive = next(row for row in rows if row[0] == "16")
         self.assertIn("4B4F4249", drive)
         self.assertTrue(" ".join(drive).endswith("Koboshi servo drive"), drive)
+
+    def test_scan_says_what_it_saw(self):
+        self.board.terminate()
+        self.board.wait()
+        silent = run("can", "scan", "--can", BUS, "--duration", 0.05)
+        self.assertEqual(silent.returncode, 1)
+        self.assertRegex(silent.stderr, rf"^koboshi: no node of {GROUP}:{PORT} answers or sends heartbeats; "
+                                        r"no frame passed within \d+\.\d s\n$")
+        scan = self.start("can", "scan", "--can", BUS, "--duration", 0.2)
+        with open_bus() as bus:
+            while scan.poll() is None:
+                bus.send(can.Message(arbitration_id=0x190, data=bytes(8), is_extended_id=False))
+                time.sleep(0.01)
+        self.assertEqual(scan.returncode, 1)
+        self.assertRegex(scan.stderr.read(), r"; \d+ frames passed within \d+\.\d s, with the identifier 190: ")
 
     def test_lss_sets_a_node_id(self):
         inquired = run("can", "lss", "inquire", "--node", 16, "--can", BUS)
@@ -208,6 +284,39 @@ class LiveBus(Files):
         self.assertEqual({line.split()[0] for line in shown},
                          {"18FEF100#0102", "123##1" + 12 * "00", "20000004#" + 8 * "00"})
         self.assertEqual(run("can", "sdo", "read", 16, "1000", "--can", BUS).returncode, 0)
+
+
+class WithController(Files):
+    """The controller is a client of the drives' first SDO channel."""
+
+    def setUp(self):
+        super().setUp()
+        self.robot = self.start("run", "scenarios/live.yaml", "--can", BUS, "--out", self.folder / "run")
+        self.robot.stdout.readline()
+
+    def test_every_command_leaves_the_first_channel_to_it(self):
+        dump = self.start("can", "dump", "--can", BUS, "--id", "610")
+        scan = run("can", "scan", "--can", BUS)
+        self.assertEqual(scan.returncode, 0, scan.stderr)
+        rows = [line.split() for line in scan.stdout.splitlines()]
+        self.assertEqual([row[0] for row in rows if row[0].isdigit()], ["1", *(str(node) for node in range(16, 36))])  # its sensors are not on the bus
+        for row in rows[2:]:
+            self.assertNotIn("-", row[2:7], row)
+        eds = ROOT / "docs/reference/drive.eds"
+        compared = [run("can", "dcf", 16, eds, "--can", BUS, *channel).stdout for channel in ((), ("--second",), ())]
+        self.assertIn("compared as in", compared[0])
+        self.assertNotIn("SDO abort", "".join(compared))
+        inquired = run("can", "lss", "inquire", "--node", 16, "--second", "--can", BUS)
+        self.assertEqual(inquired.returncode, 0, inquired.stderr)
+        self.assertTrue(inquired.stdout.endswith("node 16\n"), inquired.stdout)
+        for _ in range(10):
+            self.assertTrue(run("can", "sdo", "read", 16, "1018:1", "--can", BUS).stdout.startswith("0x4B4F4249"))
+        self.assertTrue(run("can", "sdo", "read", 16, "1018:1", "--first", "--can", BUS).stdout.startswith("0x4B4F4249"))
+        both = run("can", "sdo", "read", 16, "1018:1", "--first", "--second", "--can", BUS)
+        self.assertEqual(both.returncode, 2)
+        dump.terminate()
+        ours = [line for line in dump.communicate()[0].splitlines() if "1018" in line or "1000:" in line]
+        self.assertLessEqual(len(ours), 1, ours)  # the one with --first
 
 
 if __name__ == "__main__":

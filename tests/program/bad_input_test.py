@@ -133,6 +133,29 @@ class BadInput(unittest.TestCase):
             with self.subTest(bad):
                 self.refuse("--set", None, "run", file, "--set", bad)
 
+    def test_units(self):
+        file = self.write("scenario.yaml", SCENARIO)
+        self.refuse("--set", None, "run", file, "--set", "duration_s=5kg")
+        for text, accepted in (("500ms", True), ("1 min", True), ("0.2", True), ("5 kg", False), ("5 lb", False)):
+            result = PROGRAM.run("can", "scan", "--can", "socketcan:none", "--duration", text)
+            self.assertEqual("expected a number with the unit s, ms, us, min or h" in result.stderr, not accepted, result.stderr)
+            self.assertNotEqual(result.returncode, 0)
+        result = PROGRAM.run("model", "set", ROBOT / "robot.sdf", "left_shank.mass=45lb", "--dry-run")
+        self.assertRegex(result.stderr, r"^\S+: found left_shank.mass = 45lb, expected a number .*; the unit kg or g\n$")
+
+    def test_what_nobody_sees_is_shown(self):
+        for arguments in (["run", "a\u202eb.yaml"], ["can", "send", "12\u200b3"], ["can", "dump", "x", "--no\u2066pe"],
+                          ["can", "sdo", "read", "1", "10\u00a018"], ["da\u202ance"]):
+            with self.subTest(arguments):
+                result = PROGRAM.run(*arguments, cwd=self.folder)
+                self.assertEqual(result.returncode, 2)
+                self.assertTrue(result.stderr.isascii(), result.stderr)
+                self.assertRegex(result.stderr, r"\\u20|\\u00A0")
+        motion = self.write("motion.yaml", MOTION.read_text().replace("version: 1", "version: 1 # \u202e\nnobody: 1", 1))
+        result = PROGRAM.run("motion", "compile", motion, "--robot", ROBOT / "robot.sdf", "-o", self.folder / "a.kmot")
+        self.assertEqual(result.returncode, 2)
+        self.assertTrue(result.stderr.isascii(), result.stderr)
+
     def test_options_name_themselves(self):
         file = self.write("scenario.yaml", SCENARIO)
         self.refuse("--seed", None, "run", file, "--seed", "abc")

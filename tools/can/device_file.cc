@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/foreign_text.h"
 #include "sim_board/input/text.h"
 
 namespace koboshi::tools {
@@ -36,9 +37,9 @@ struct Section {
 using Sections = std::map<std::string, Section>;  // names in lower case
 
 std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(" \t\r");
+  const std::size_t begin = text.find_first_not_of(" \t");
   if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
+  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
 std::string lower(std::string_view text) {
@@ -49,7 +50,7 @@ std::string lower(std::string_view text) {
 }
 
 Sections read_sections(const std::filesystem::path& file) {
-  const std::string text = sim::read_text_file(file, "an EDS or DCF file");
+  const std::string text = sim::with_line_feeds(sim::read_text_file(file, "an EDS or DCF file"));
   Sections sections;
   Section* section = nullptr;
   int number = 0;
@@ -57,7 +58,6 @@ Sections read_sections(const std::filesystem::path& file) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     std::string_view line = trimmed(std::string_view(text).substr(begin, end - begin));
     begin = end + 1;
-    if (number == 0 && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
     if (line.empty() || line.front() == ';' || line.front() == '#') continue;
     if (line.front() == '[' && line.back() == ']') {
       section = &sections[lower(trimmed(line.substr(1, line.size() - 2)))];

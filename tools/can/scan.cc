@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <utility>
 
 #include "firmware/canopen/described_object.h"
 #include "firmware/canopen/frame.h"
 #include "firmware/canopen/lss_slave.h"
 #include "firmware/canopen/sdo/protocol.h"
+#include "sim_board/drive/pc_sdo.h"
+#include "sim_board/input/text.h"
 #include "tools/can/describe.h"
 #include "tools/can/sdo_transfer.h"
 #include "tools/can/source.h"
@@ -24,72 +27,130 @@ constexpr canopen::ObjectAddress kDeviceType{0x1000, 0};
 constexpr canopen::ObjectAddress kDeviceName{0x1008, 0};
 constexpr std::uint16_t kIdentity = 0x1018;
 constexpr auto kStopped = static_cast<std::uint8_t>(canopen::NmtState::kStopped);  // serves no SDO
-// Between two requests: a bus of 125 kbit/s carries request and answer in 2 ms.
-constexpr std::uint64_t kRequestPeriod_us = 2'000;
+constexpr int kFramesAtOnce = 1000;  // before the clock is read again
 
 class Scanner {
  public:
-  explicit Scanner(sim::Transport& transport) : transport_(transport) {}
+  Scanner(sim::Transport& transport, const ScanOptions& options) : transport_(transport), options_(options) {}
 
-  ScanResult run(std::uint64_t listen_us) {
-    hal::CanFrame unconfigured{.identifier = canopen::kLssRequestCobId, .size = 8};
-    unconfigured.data[0] = static_cast<std::uint8_t>(canopen::LssCommand::kIdentifyUnconfigured);
-    send_surely(transport_, unconfigured);
-    for (std::uint8_t node = 1; node <= canopen::kMaxNodeId; ++node) {
-      send_surely(transport_,
-                  {.identifier = static_cast<std::uint16_t>(canopen::kSdoRequestBase + node),
-                   .size = 8,
-                   .data = canopen::sdo::message(canopen::sdo::kInitiateUploadRequest, kDeviceType, 0)});
-      listen(kRequestPeriod_us);
+  ScanResult run() {
+    const Clock::time_point start = Clock::now();
+    // A node may be booting, and the machine or the bus busy: what has not answered is asked twice, and again
+    // while no node is found. The first channel of drives that are silent on the second is for those of other
+    // makers.
+    for (int round = 0; round < kScanRounds && (round < 2 || nodes_.empty()); ++round) {
+      identify_unconfigured();
+      request_all(options_.channel == SdoChannel::kSecond ||
+                  (options_.channel == SdoChannel::kAutomatic && round % 2 == 0));
+      listen(options_.listen_us, kMaxListening);
     }
-    listen(listen_us);
-    ScanResult result{.unconfigured = unconfigured_};
+    result_.duration_s = std::chrono::duration<double>(Clock::now() - start).count();
     for (auto& [node, found] : nodes_) {
       if (found.state != kStopped) read_objects(found);
-      result.nodes.push_back(found);
+      result_.nodes.push_back(found);
     }
-    return result;
+    return result_;
   }
 
  private:
-  void listen(std::uint64_t duration_us) {
-    const Clock::time_point end = Clock::now() + std::chrono::microseconds(duration_us);
+  using Microseconds = std::chrono::microseconds;
+
+  void identify_unconfigured() {
+    hal::CanFrame frame{.identifier = canopen::kLssRequestCobId, .size = 8};
+    frame.data[0] = static_cast<std::uint8_t>(canopen::LssCommand::kIdentifyUnconfigured);
+    send_surely(transport_, frame);
+  }
+
+  // Asks the nodes that have not answered, drives on their second or on their first channel.
+  void request_all(bool drives_on_second) {
+    for (std::uint8_t node = 1; node <= canopen::kMaxNodeId; ++node) {
+      const bool second = drives_on_second && sim::has_pc_sdo(node);
+      if (has_answered(node) || (options_.channel == SdoChannel::kSecond && !second)) continue;
+      const int base = second ? sim::kPcSdoRequestBase : canopen::kSdoRequestBase;
+      send_surely(transport_,
+                  {.identifier = static_cast<std::uint16_t>(base + node),
+                   .size = 8,
+                   .data = canopen::sdo::message(canopen::sdo::kInitiateUploadRequest, kDeviceType, 0)});
+      listen(options_.request_period_us, 1);
+    }
+  }
+
+  bool has_answered(std::uint8_t node) const {
+    const auto found = nodes_.find(node);
+    return found != nodes_.end() && found->second.answers_sdo;
+  }
+
+  // Each find prolongs the time, up to `most` times.
+  void listen(std::uint64_t duration_us, unsigned most) {
+    const Clock::time_point start = Clock::now();
+    Clock::time_point end = start + Microseconds(duration_us);
+    const Clock::time_point last = start + Microseconds(duration_us * most);
     for (;;) {
-      while (const auto frame = transport_.receive()) take(*frame);
-      const auto left = std::chrono::duration_cast<std::chrono::microseconds>(end - Clock::now()).count();
+      const std::size_t before = finds_;
+      for (int i = 0; i < kFramesAtOnce; ++i) {
+        const auto frame = transport_.receive();
+        if (!frame) break;
+        take(*frame);
+      }
+      const Clock::time_point now = Clock::now();
+      if (finds_ != before) end = std::min(last, now + Microseconds(duration_us));
+      const auto left = std::chrono::duration_cast<Microseconds>(end - now).count();
       if (left <= 0) return;
       wait_for_frames(transport_, static_cast<std::uint64_t>(left));
     }
   }
 
   void take(const hal::CanFrame& frame) {
+    ++result_.frames;
+    result_.identifiers.insert(frame.identifier);
     if (frame.remote) return;
     if (frame.identifier == canopen::kLssResponseCobId)
-      unconfigured_ = unconfigured_ ||
-                      (frame.size == 8 && frame.data[0] == static_cast<std::uint8_t>(
-                                                               canopen::LssCommand::kIdentifiedUnconfigured));
+      result_.unconfigured =
+          result_.unconfigured ||
+          (frame.size == 8 &&
+           frame.data[0] == static_cast<std::uint8_t>(canopen::LssCommand::kIdentifiedUnconfigured));
+    if (const int node = frame.identifier - sim::kPcSdoResponseBase;
+        node > 0 && node <= canopen::kMaxNodeId && sim::has_pc_sdo(static_cast<std::uint8_t>(node)))
+      return take_answer(static_cast<std::uint8_t>(node), frame, true);
     const auto node = static_cast<std::uint8_t>(frame.identifier & canopen::kMaxNodeId);
     if (node == 0) return;
     const int base = frame.identifier & canopen::kFunctionCodeMask;
     if (base == canopen::kHeartbeatBase && frame.size == 1) {
       at(node).state = frame.data[0] & 0x7F;  // bit 7 is the toggle of node guarding
-    } else if (base == canopen::kSdoResponseBase && frame.size == 8 &&
-               canopen::sdo::address_of(frame.data) == kDeviceType) {
-      FoundNode& found = at(node);
-      found.answers_sdo = true;
-      if (frame.data[0] != canopen::sdo::kAbort) found.device_type = canopen::sdo::data_of(frame.data);
+    } else if (base == canopen::kSdoResponseBase) {
+      take_answer(node, frame, false);
     }
   }
 
+  // An answer about the device type, which may be to another client's request.
+  void take_answer(std::uint8_t node, const hal::CanFrame& frame, bool second) {
+    const bool is_value =
+        (frame.data[0] & canopen::sdo::kSpecifierMask) == canopen::sdo::kInitiateUploadResponse;
+    if (frame.size != 8 || canopen::sdo::address_of(frame.data) != kDeviceType ||
+        (!is_value && frame.data[0] != canopen::sdo::kAbort))
+      return;
+    FoundNode& found = at(node);
+    if (!std::exchange(found.answers_sdo, true)) ++finds_;
+    if (is_value) found.device_type = canopen::sdo::data_of(frame.data);
+    if (second) on_second_.insert(node);
+  }
+
   FoundNode& at(std::uint8_t node) {
-    FoundNode& found = nodes_[node];
-    found.node = node;
-    return found;
+    const auto [place, is_new] = nodes_.try_emplace(node, FoundNode{.node = node});
+    if (is_new) ++finds_;
+    return place->second;
+  }
+
+  SdoTransfer channel_to(const FoundNode& found) {
+    if (on_second_.contains(found.node)) return second_sdo(transport_, found.node);
+    if (found.answers_sdo) return {transport_, found.node};
+    return open_sdo(transport_, found.node,
+                    sim::has_pc_sdo(found.node) ? options_.channel : SdoChannel::kFirst);
   }
 
   // A node need not have all parts of its identity, and no name. One that was just booting is asked again.
   void read_objects(FoundNode& found) {
-    SdoTransfer sdo(transport_, found.node);
+    SdoTransfer sdo = channel_to(found);
     const auto read = [&](canopen::ObjectAddress address) -> std::optional<std::vector<std::uint8_t>> {
       try {
         return sdo.read(address);
@@ -115,8 +176,11 @@ class Scanner {
   }
 
   sim::Transport& transport_;
+  ScanOptions options_;
+  ScanResult result_;
   std::map<std::uint8_t, FoundNode> nodes_;
-  bool unconfigured_ = false;
+  std::set<std::uint8_t> on_second_;  // nodes that answer there
+  std::size_t finds_ = 0;             // nodes, and answers of nodes
 };
 
 std::string hex_text(std::optional<std::uint32_t> value) {
@@ -131,8 +195,23 @@ std::string state_text(const FoundNode& node) {
 
 }  // namespace
 
-ScanResult scan_bus(sim::Transport& transport, std::uint64_t listen_us) {
-  return Scanner(transport).run(listen_us);
+ScanResult scan_bus(sim::Transport& transport, const ScanOptions& options) {
+  return Scanner(transport, options).run();
+}
+
+std::string sighting_text(const ScanResult& result) {
+  constexpr std::size_t kShown = 8;
+  if (result.frames == 0) return fmt::format("no frame passed within {:.1f} s", result.duration_s);
+  std::string identifiers;
+  std::size_t shown = 0;
+  for (const std::uint16_t identifier : result.identifiers) {
+    if (shown++ == kShown) break;
+    identifiers += fmt::format("{}{:03X}", shown == 1 ? "" : ", ", identifier);
+  }
+  return fmt::format("{} passed within {:.1f} s, with the {} {}{}", sim::count_text(result.frames, "frame"),
+                     result.duration_s, result.identifiers.size() == 1 ? "identifier" : "identifiers",
+                     identifiers,
+                     shown > kShown ? fmt::format(" and {} others", result.identifiers.size() - kShown) : "");
 }
 
 std::string scan_table(const ScanResult& result) {

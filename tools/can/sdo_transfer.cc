@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <thread>
 #include <utility>
 
 #include "firmware/canopen/frame.h"
@@ -20,7 +21,19 @@ using canopen::ObjectAddress;
 namespace sdo = canopen::sdo;
 using Clock = std::chrono::steady_clock;
 
+constexpr ObjectAddress kProbedObject{0x1000, 0};  // the device type
+
 std::size_t segments_of(std::size_t bytes) { return (bytes + sdo::kSegmentBytes - 1) / sdo::kSegmentBytes; }
+
+// The pauses before a transfer is repeated: 20, 40, 80 ms. A controller that configures a node sends it a
+// request every few milliseconds, for less than 100 ms.
+constexpr std::chrono::milliseconds kPause{10};
+
+// Abort codes of a transfer into which another client's came.
+bool is_disturbance(AbortCode code) {
+  return code == AbortCode::kCommandSpecifierUnknown || code == AbortCode::kToggleBitNotAlternated ||
+         code == AbortCode::kInvalidSequenceNumber || code == AbortCode::kCrcError;
+}
 
 constexpr std::pair<AbortCode, const char*> kTexts[] = {
     {AbortCode::kToggleBitNotAlternated, "toggle bit not alternated"},
@@ -56,6 +69,34 @@ constexpr std::pair<AbortCode, const char*> kTexts[] = {
     {AbortCode::kNoData, "no data available"},
 };
 
+// Whether to wait no longer. What has arrived until the deadline counts, also if the machine was too busy to
+// read it; a flood of frames does not prolong the wait for ever.
+bool is_over(Clock::time_point deadline, bool has_received) {
+  const auto now = Clock::now();
+  return now >= deadline &&
+         (!has_received || now >= deadline + std::chrono::microseconds(SdoTransfer::kTimeout_us));
+}
+
+// Asks for the device type, which every node has.
+bool answers_second_sdo(sim::Transport& transport, std::uint8_t node_id) {
+  if (!sim::has_pc_sdo(node_id)) return false;
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    send_surely(transport, {.identifier = static_cast<std::uint16_t>(sim::kPcSdoRequestBase + node_id),
+                            .size = 8,
+                            .data = sdo::message(sdo::kInitiateUploadRequest, kProbedObject, 0)});
+    const auto deadline = Clock::now() + std::chrono::microseconds(kSecondSdoTimeout_us);
+    for (;;) {
+      const auto frame = transport.receive();
+      if (frame && frame->identifier == sim::kPcSdoResponseBase + node_id && frame->size == 8 &&
+          !frame->remote)
+        return true;
+      if (is_over(deadline, frame.has_value())) break;
+      if (!frame) wait_for_frames(transport, 1'000);
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 std::string text_of(AbortCode code) {
@@ -80,38 +121,57 @@ SdoTransfer second_sdo(sim::Transport& transport, std::uint8_t node_id) {
           static_cast<std::uint16_t>(sim::kPcSdoResponseBase + node_id)};
 }
 
+SdoTransfer open_sdo(sim::Transport& transport, std::uint8_t node_id, SdoChannel channel) {
+  if (channel == SdoChannel::kSecond) return second_sdo(transport, node_id);
+  if (channel == SdoChannel::kAutomatic && answers_second_sdo(transport, node_id))
+    return second_sdo(transport, node_id);
+  return {transport, node_id};
+}
+
 // --- One message
 
 void SdoTransfer::send(const Data& data) {
   send_surely(transport_, {.identifier = request_, .size = 8, .data = data});
 }
 
-// Whether a message answers another client of the channel: the controller polls drives on it, too.
-bool SdoTransfer::is_for_another(const Data& answer) const {
-  const int specifier = answer[0] & sdo::kSpecifierMask;
-  const bool names_object = answer[0] == sdo::kAbort || specifier == sdo::kInitiateUploadResponse ||
-                            specifier == sdo::kInitiateDownloadResponse;
-  return names_object && sdo::address_of(answer) != address_;
+// Whether a message answers this client, not another one of the channel. The server whose transfer another
+// client's request has ended refuses the next segment, and then names the other's object or none.
+bool SdoTransfer::is_answer(const Data& data, Kind kind, std::uint8_t specifier) const {
+  const bool is_ours = sdo::address_of(data) == address_;
+  if (data[0] == sdo::kAbort)
+    return is_ours || (kind != Kind::kInitiate && is_disturbance(static_cast<AbortCode>(sdo::data_of(data))));
+  if (kind == Kind::kBlockSegment) return true;
+  return (data[0] & sdo::kSpecifierMask) == specifier && (kind == Kind::kMessage || is_ours);
 }
 
-SdoTransfer::Data SdoTransfer::receive(Kind kind) {
+SdoTransfer::Data SdoTransfer::receive(Kind kind, std::uint8_t specifier) {
   const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(kTimeout_us);
-  while (Clock::now() < deadline) {
+  for (;;) {
     const auto frame = transport_.receive();
-    const bool is_answer = frame && frame->identifier == response_ && frame->size == 8 && !frame->remote;
-    if (is_answer && (kind == Kind::kBlockSegment || !is_for_another(frame->data))) return frame->data;
+    if (frame && frame->identifier == response_ && frame->size == 8 && !frame->remote &&
+        is_answer(frame->data, kind, specifier)) {
+      if (frame->data[0] == sdo::kAbort) throw SdoAborted(static_cast<AbortCode>(sdo::data_of(frame->data)));
+      return frame->data;
+    }
+    if (is_over(deadline, frame.has_value())) break;
     if (!frame) wait_for_frames(transport_, 1'000);
   }
-  throw std::runtime_error(
+  throw NoSdoAnswer(
       fmt::format("no SDO answer with identifier 0x{:03X} within {} ms", response_, kTimeout_us / 1000));
 }
 
-SdoTransfer::Data SdoTransfer::ask(const Data& data, std::uint8_t specifier) {
-  send(data);
-  const Data answer = receive();
-  if (answer[0] == sdo::kAbort) throw SdoAborted(static_cast<AbortCode>(sdo::data_of(answer)));
-  if ((answer[0] & sdo::kSpecifierMask) != specifier) abort(AbortCode::kCommandSpecifierUnknown);
-  return answer;
+template <typename Action>
+auto SdoTransfer::repeat(bool is_read, const Action& action) {
+  for (int attempt = 1;; ++attempt) {
+    try {
+      return action();
+    } catch (const SdoAborted& aborted) {
+      if (attempt >= kAttempts || !is_disturbance(aborted.code())) throw;
+    } catch (const NoSdoAnswer&) {
+      if (attempt >= kSilentAttempts || !is_read) throw;  // a write may have been executed
+    }
+    std::this_thread::sleep_for(kPause * (1 << attempt));
+  }
 }
 
 void SdoTransfer::abort(AbortCode code) {
@@ -122,9 +182,13 @@ void SdoTransfer::abort(AbortCode code) {
 // --- Expedited and by segments
 
 std::vector<std::uint8_t> SdoTransfer::read(ObjectAddress address) {
+  return repeat(true, [&] { return read_once(address); });
+}
+
+std::vector<std::uint8_t> SdoTransfer::read_once(ObjectAddress address) {
   address_ = address;
-  const Data answer =
-      ask(sdo::message(sdo::kInitiateUploadRequest, address, 0), sdo::kInitiateUploadResponse);
+  const Data answer = ask(Kind::kInitiate, sdo::message(sdo::kInitiateUploadRequest, address, 0),
+                          sdo::kInitiateUploadResponse);
   if (sdo::is_expedited(answer[0], sdo::kInitiateUploadResponse)) {
     const auto first = answer.begin() + 4;
     return {first, first + static_cast<std::ptrdiff_t>(sdo::expedited_size(answer[0]))};
@@ -137,7 +201,7 @@ std::vector<std::uint8_t> SdoTransfer::read_segments(std::size_t size) {
   for (std::uint8_t toggle = 0;; toggle ^= sdo::kToggle) {
     Data request{};
     request[0] = static_cast<std::uint8_t>(sdo::kUploadSegmentRequest | toggle);
-    const Data answer = ask(request, sdo::kUploadSegmentResponse);
+    const Data answer = ask(Kind::kMessage, request, sdo::kUploadSegmentResponse);
     if ((answer[0] & sdo::kToggle) != toggle) abort(AbortCode::kToggleBitNotAlternated);
     data.insert(data.end(), answer.begin() + 1,
                 answer.begin() + 1 + static_cast<std::ptrdiff_t>(sdo::segment_size(answer[0])));
@@ -148,14 +212,19 @@ std::vector<std::uint8_t> SdoTransfer::read_segments(std::size_t size) {
 }
 
 void SdoTransfer::write(ObjectAddress address, std::span<const std::uint8_t> data) {
+  repeat(false, [&] { write_once(address, data); });
+}
+
+void SdoTransfer::write_once(ObjectAddress address, std::span<const std::uint8_t> data) {
   address_ = address;
   if (data.size() <= 4 && !data.empty()) {
     Data request = sdo::message(sdo::expedited(sdo::kInitiateDownloadRequest, data.size()), address, 0);
     std::ranges::copy(data, request.begin() + 4);
-    ask(request, sdo::kInitiateDownloadResponse);
+    ask(Kind::kInitiate, request, sdo::kInitiateDownloadResponse);
     return;
   }
-  ask(sdo::message(sdo::kInitiateDownloadRequest | sdo::kSizeIndicated, address,
+  ask(Kind::kInitiate,
+      sdo::message(sdo::kInitiateDownloadRequest | sdo::kSizeIndicated, address,
                    static_cast<std::uint32_t>(data.size())),
       sdo::kInitiateDownloadResponse);
   write_segments(data);
@@ -170,7 +239,7 @@ void SdoTransfer::write_segments(std::span<const std::uint8_t> data) {
     request[0] = static_cast<std::uint8_t>(sdo::kDownloadSegmentRequest | toggle |
                                            (sdo::kSegmentBytes - count) << 1 | last);
     std::ranges::copy(data.first(count), request.begin() + 1);
-    const Data answer = ask(request, sdo::kDownloadSegmentResponse);
+    const Data answer = ask(Kind::kMessage, request, sdo::kDownloadSegmentResponse);
     if ((answer[0] & sdo::kToggle) != toggle) abort(AbortCode::kToggleBitNotAlternated);
     toggle ^= sdo::kToggle;
     data = data.subspan(count);
@@ -180,10 +249,14 @@ void SdoTransfer::write_segments(std::span<const std::uint8_t> data) {
 // --- By blocks
 
 std::vector<std::uint8_t> SdoTransfer::upload(ObjectAddress address, const SdoProgress& progress) {
+  return repeat(true, [&] { return upload_once(address, progress); });
+}
+
+std::vector<std::uint8_t> SdoTransfer::upload_once(ObjectAddress address, const SdoProgress& progress) {
   address_ = address;
   Data request = sdo::message(sdo::kBlockUploadRequest | sdo::kBlockCrc, address, 0);
   request[4] = sdo::kMaxBlockSize;
-  const Data answer = ask(request, sdo::kBlockUploadResponse);
+  const Data answer = ask(Kind::kInitiate, request, sdo::kBlockUploadResponse);
   const std::size_t size = (answer[0] & sdo::kBlockSizeIndicated) != 0 ? sdo::data_of(answer) : 0;
   send({sdo::kBlockUploadRequest | sdo::kBlockStartUpload});
   return read_blocks(size, progress);
@@ -196,8 +269,6 @@ std::vector<std::uint8_t> SdoTransfer::read_blocks(std::size_t size, const SdoPr
     bool last = false;
     for (std::uint8_t sequence = 0; !last && sequence < sdo::kMaxBlockSize;) {
       const Data segment = receive(Kind::kBlockSegment);
-      if (segment[0] == sdo::kAbort && data.empty() && expected == 1)
-        throw SdoAborted(static_cast<AbortCode>(sdo::data_of(segment)));
       sequence = segment[0] & ~sdo::kBlockLastSegment & 0xFF;
       if (sequence != expected) {
         // Segments before the last are lost: request them again.
@@ -219,8 +290,7 @@ std::vector<std::uint8_t> SdoTransfer::read_blocks(std::size_t size, const SdoPr
 }
 
 void SdoTransfer::end_upload(std::vector<std::uint8_t>& data) {
-  const Data end = receive();
-  if (end[0] == sdo::kAbort) throw SdoAborted(static_cast<AbortCode>(sdo::data_of(end)));
+  const Data end = receive(Kind::kMessage, sdo::kBlockUploadResponse);
   if ((end[0] & (sdo::kSpecifierMask | sdo::kBlockEnd)) != (sdo::kBlockUploadResponse | sdo::kBlockEnd))
     abort(AbortCode::kCommandSpecifierUnknown);
   const std::size_t unused = sdo::kSegmentBytes - sdo::block_end_size(end[0]);  // of the last segment
@@ -232,8 +302,14 @@ void SdoTransfer::end_upload(std::vector<std::uint8_t>& data) {
 
 void SdoTransfer::download(ObjectAddress address, std::span<const std::uint8_t> data,
                            const SdoProgress& progress) {
+  repeat(false, [&] { download_once(address, data, progress); });
+}
+
+void SdoTransfer::download_once(ObjectAddress address, std::span<const std::uint8_t> data,
+                                const SdoProgress& progress) {
   address_ = address;
-  const Data answer = ask(sdo::message(sdo::kBlockDownloadRequest | sdo::kBlockCrc | sdo::kBlockSizeIndicated,
+  const Data answer = ask(Kind::kInitiate,
+                          sdo::message(sdo::kBlockDownloadRequest | sdo::kBlockCrc | sdo::kBlockSizeIndicated,
                                        address, static_cast<std::uint32_t>(data.size())),
                           sdo::kBlockDownloadResponse);
   write_blocks(data, answer[4], progress);
@@ -242,7 +318,7 @@ void SdoTransfer::download(ObjectAddress address, std::span<const std::uint8_t> 
   Data end{};
   end[0] = static_cast<std::uint8_t>(sdo::kBlockDownloadRequest | sdo::kBlockEnd | unused << 2);
   canopen::store_u16(&end[1], canopen::crc16(0, data));
-  ask(end, sdo::kBlockDownloadResponse);
+  ask(Kind::kMessage, end, sdo::kBlockDownloadResponse);
 }
 
 void SdoTransfer::write_blocks(std::span<const std::uint8_t> data, std::uint8_t block,
@@ -260,8 +336,7 @@ void SdoTransfer::write_blocks(std::span<const std::uint8_t> data, std::uint8_t 
       std::ranges::copy(part, segment.begin() + 1);
       send(segment);
     }
-    const Data answer = receive();
-    if (answer[0] == sdo::kAbort) throw SdoAborted(static_cast<AbortCode>(sdo::data_of(answer)));
+    const Data answer = receive(Kind::kMessage, sdo::kBlockDownloadResponse);
     if (answer[0] != (sdo::kBlockDownloadResponse | sdo::kBlockConfirm) || answer[1] > count)
       abort(AbortCode::kInvalidSequenceNumber);
     done += answer[1];

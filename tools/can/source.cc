@@ -89,39 +89,60 @@ bool is_pipe(const std::filesystem::path& file) {
   return file == kStandardInput || (std::filesystem::exists(file) && !std::filesystem::is_regular_file(file));
 }
 
+sim::InputError no_frames_of(const std::string& interface, const std::vector<std::string>& others,
+                             const std::filesystem::path& file) {
+  return {file, 0, "no frames of " + sim::one_line(interface),
+          "an interface of the log: " + sim::one_line(sim::join_alternatives(others))};
+}
+
 class LogSource final : public FrameSource {
  public:
   LogSource(const LogChoice& log, const WaitForInput& wait) : interface_(log.interface) {
     const std::filesystem::path file = file_of(log);
-    const auto times =
-        log.differences ? sim::CandumpReader::Times::kDifferences : sim::CandumpReader::Times::kRecognised;
     if (!is_pipe(file)) {
-      reader_.emplace(file, times);
+      name_ = file;
+      reader_.emplace(file, log.times);
       return;
     }
     pipe_.emplace(file, wait);
     if (!pipe_->is_open()) throw sim::InputError(file, 0, "no readable file", "a CAN log");
     stream_.emplace(&*pipe_);
-    reader_.emplace(*stream_, file == kStandardInput ? "standard input" : file, times);
+    name_ = file == kStandardInput ? "standard input" : file;
+    reader_.emplace(*stream_, name_, log.times);
   }
 
   std::optional<TimedFrame> next(std::uint64_t) override {
     while (auto logged = reader_->next()) {
-      if (!interface_.empty() && logged->interface != interface_) continue;
+      if (!interface_.empty() && logged->interface != interface_) {
+        if (!found_ && std::ranges::find(others_, logged->interface) == others_.end())
+          others_.push_back(std::move(logged->interface));
+        continue;
+      }
+      found_ = true;
       return TimedFrame{logged->frame, logged->time_us, std::move(logged->interface), logged->direction};
     }
+    if (!found_ && !others_.empty() && !(pipe_ && pipe_->is_ended_by_user()))
+      throw no_frames_of(interface_, others_, name_);
     return std::nullopt;
   }
   bool is_live() const override { return false; }
-  std::vector<std::string> remarks() const override {
-    std::vector<std::string> remarks = reader_->remarks();
+  bool is_arriving() const override { return pipe_.has_value(); }
+  std::vector<std::string> take_remarks() override {
+    const std::vector<std::string>& all = reader_->remarks();
     // The end of the reading is not that of the log.
-    if (pipe_ && pipe_->is_ended_by_user() && !remarks.empty()) remarks.pop_back();
+    const bool ends_early = pipe_ && pipe_->is_ended_by_user() && reader_->is_cut_off();
+    const std::size_t end = all.size() - (ends_early ? 1 : 0);
+    std::vector<std::string> remarks;
+    for (; taken_ < end; ++taken_) remarks.push_back(all[taken_]);
     return remarks;
   }
 
  private:
   std::string interface_;
+  bool found_ = false;               // a frame of it
+  std::vector<std::string> others_;  // interfaces of the frames before
+  std::size_t taken_ = 0;            // remarks
+  std::filesystem::path name_;
   std::optional<PipeBuffer> pipe_;
   std::optional<std::istream> stream_;
   std::optional<sim::CandumpReader> reader_;
@@ -130,7 +151,7 @@ class LogSource final : public FrameSource {
 void collect_interfaces(const LogChoice& log, std::vector<std::string>& names) {
   const std::filesystem::path file = file_of(log);
   if (is_pipe(file)) return;
-  LogSource source({.place = file, .differences = log.differences}, {});
+  LogSource source({.place = file, .times = log.times}, {});
   while (const auto timed = source.next(0)) {
     if (std::ranges::find(names, timed->interface) == names.end()) names.push_back(timed->interface);
   }
@@ -160,6 +181,7 @@ class LiveSource final : public FrameSource {
     }
   }
   bool is_live() const override { return true; }
+  bool is_arriving() const override { return true; }
 
  private:
   bool wait(std::uint64_t timeout_us) {
@@ -193,8 +215,7 @@ std::vector<std::string> check_log(const LogChoice& log) {
   std::vector<std::string> names;
   collect_interfaces(log, names);
   if (!log.interface.empty() && !names.empty() && std::ranges::find(names, log.interface) == names.end())
-    throw sim::InputError(file_of(log), 0, "no frames of " + log.interface,
-                          "an interface of the log: " + sim::join_alternatives(names));
+    throw no_frames_of(log.interface, names, file_of(log));
   return names;
 }
 

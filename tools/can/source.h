@@ -33,8 +33,10 @@ class FrameSource {
   // the user ends the command.
   virtual std::optional<TimedFrame> next(std::uint64_t timeout_us) = 0;
   virtual bool is_live() const = 0;
-  // What the user should know about the part of a log read so far, a line for each.
-  virtual std::vector<std::string> remarks() const { return {}; }
+  // Returns whether frames arrive while one reads: from a live bus or through a pipe, until the user ends it.
+  virtual bool is_arriving() const = 0;
+  // Returns what the user should know about the part of a log read since the last call, a line for each.
+  virtual std::vector<std::string> take_remarks() { return {}; }
 };
 
 // Waits until the descriptor is readable or this time has passed. Returns false, and at once, when the user
@@ -46,10 +48,10 @@ struct LogChoice {
   std::filesystem::path
       place;  // a log of can-utils, the folder of a run with its can.log, or - for standard input
   std::string interface {};  // only frames of this one; empty: of all
-  bool differences = false;  // its times are differences (candump -t d), also where they seem absolute
+  sim::CandumpReader::Times times = sim::CandumpReader::Times::kRecognised;
 };
 
-// Opens a log. Throws sim::InputError.
+// Opens a log. Throws sim::InputError, also at the end of a log with frames of other interfaces only.
 std::unique_ptr<FrameSource> open_log(const LogChoice& log, const WaitForInput& wait = {});
 
 // Returns the interfaces in a log, in the order of their first frames; none for a pipe. Reads up to the first

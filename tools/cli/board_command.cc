@@ -70,7 +70,7 @@ void add_board_command(CLI::App& program, Invocation&) {
       program.add_subcommand("board", "Simulate the robot without its controller, for any CANopen master");
   command->footer(
       R"(The robot hangs on a stand; its drives (CiA 402) and sensors are nodes on a CAN bus. The simulation ends after
-the scenario's duration or by Ctrl-C.
+the scenario's duration, or by Ctrl-C or SIGTERM; the exit status is 0 in each case.
 
 Examples:
   koboshi board --can socketcan:vcan0

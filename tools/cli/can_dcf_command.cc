@@ -20,7 +20,7 @@ struct DcfArguments {
   std::string node;
   std::filesystem::path file;
   bool write = false;
-  bool second = false;
+  SdoChannel channel = SdoChannel::kAutomatic;
   CanOptions can;
 };
 
@@ -46,7 +46,7 @@ int run_dcf(const DcfArguments& arguments) {
     throw sim::InputError(arguments.file, 0, "no ParameterValue",
                           "a DCF, whose ParameterValues --write writes");
   const auto transport = open_can(arguments.can);
-  SdoTransfer sdo = arguments.second ? second_sdo(*transport, node) : SdoTransfer(*transport, node);
+  SdoTransfer sdo = open_sdo(*transport, node, arguments.channel);
   if (file.node_id && *file.node_id != node)
     warn(fmt::format("{} is for node {}", arguments.file.string(), *file.node_id));
   if (arguments.write) check_device(sdo, arguments, file);
@@ -81,8 +81,7 @@ Example:
   command->add_option("FILE", arguments->file, "A DCF or EDS file")->required();
   command->add_flag("--write", arguments->write,
                     "Write the ParameterValues of the DCF before the comparison");
-  command->add_flag("--second", arguments->second,
-                    "Use a drive's second SDO channel (0x1201), and leave the first to the controller");
+  add_sdo_options(*command, arguments->channel);
   add_can_options(*command, arguments->can);
   command->callback([arguments, &invocation] { invocation.exit_status = run_dcf(*arguments); });
 }

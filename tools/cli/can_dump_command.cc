@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "sim_board/input/text.h"
 #include "tools/can/describe.h"
 #include "tools/can/frame_text.h"
 #include "tools/cli/frame_description.h"
@@ -144,9 +145,12 @@ void dump(const CanDumpArguments& arguments) {
   Interrupt interrupt;
   const OpenedSource opened = open_source(arguments.log, arguments.can, interrupt);
   ForeignCount foreign;
-  for (std::uint64_t shown = 0; arguments.count == 0 || shown < arguments.count;) {
+  std::uint64_t shown = 0;
+  std::optional<int> signal;
+  while (arguments.count == 0 || shown < arguments.count) {
     const auto timed = opened.source->next(kPatience_us);
-    if (interrupt.requested() || (!timed && !opened.source->is_live())) break;
+    signal = interrupt.requested();
+    if (signal || (!timed && !opened.source->is_live())) break;
     if (!timed || !filter.passes(timed->frame)) continue;
     foreign.add(timed->frame);
     printer.print(*timed);
@@ -154,6 +158,8 @@ void dump(const CanDumpArguments& arguments) {
   }
   print_remarks(*opened.source);
   if (!foreign.empty()) sim::print_error("koboshi: not decoded: {}\n", foreign.text());
+  if (signal && (arguments.count > 0 || !opened.source->is_arriving()))
+    throw Interrupted(*signal, fmt::format("interrupted after {}", sim::count_text(shown, "frame")));
 }
 
 }  // namespace
@@ -161,6 +167,10 @@ void dump(const CanDumpArguments& arguments) {
 void add_can_dump_command(CLI::App& can, Invocation&) {
   auto arguments = std::make_shared<CanDumpArguments>();
   CLI::App* command = can.add_subcommand("dump", "Show frames and decode them");
+  command->footer(
+      R"(A live bus and a pipe are shown until Ctrl-C or SIGTERM, which is then the normal end, with status 0. With --count,
+and for a file, either is an interruption, with status 130 or 143.
+)");
   CLI::Option* log = add_log_options(*command, arguments->log, kLogOrBusHelp);
   command->add_option("--node", arguments->nodes, "Show only frames of this node; may be repeated")
       ->allow_extra_args(false);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/foreign_text.h"
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 #include "sim_board/record/standard_streams.h"
@@ -41,13 +42,18 @@ void show_statistics(const CanStatisticsArguments& arguments) {
   const OpenedSource opened = open_source(arguments.log, arguments.can, interrupt);
   const auto end_us = static_cast<std::uint64_t>(1e6 * arguments.duration_s);
   std::map<std::string, BusStatistics> buses;
-  for (std::uint64_t last_us = 0; !interrupt.requested();) {
+  std::uint64_t frames = 0;
+  std::optional<int> signal;
+  for (std::uint64_t last_us = 0; !(signal = interrupt.requested());) {
     if (opened.source->is_live() && last_us >= end_us) break;
     const auto timed = opened.source->next(end_us - std::min(last_us, end_us));
     if (!timed) break;
     last_us = timed->time_us;
     buses[timed->interface].add(*timed);
+    ++frames;
   }
+  if (signal && !opened.source->is_arriving())
+    throw Interrupted(*signal, fmt::format("interrupted after {}", sim::count_text(frames, "frame")));
   if (buses.empty()) buses[""];
   const char* separator = "";
   for (const auto& [interface, statistics] : buses) {
@@ -62,6 +68,10 @@ void add_statistics(CLI::App& can) {
   auto arguments = std::make_shared<CanStatisticsArguments>();
   CLI::App* command =
       can.add_subcommand("stats", "Show frame rates, the bus load, and the jitter of SYNC and PDOs");
+  command->footer(
+      R"(On a live bus and a pipe, Ctrl-C or SIGTERM ends the measurement early: the statistics so far are shown, with
+status 0. While a file is read, either is an interruption, with status 130 or 143.
+)");
   CLI::Option* log = add_log_options(*command, arguments->log, kLogOrBusHelp);
   command->add_option("--duration", arguments->duration_s, "Seconds to listen to a live bus (default: 10)")
       ->check(CLI::Range(0.1, 86400.0))
@@ -111,6 +121,7 @@ void replay_log(const CanReplayArguments& arguments) {
       if (!first_us) first_us = timed->time_us;
       pacer.wait_for(timed->time_us - *first_us);
     }
+    print_remarks(*source);  // before an hour of frames, whose times it may concern
     if (const auto signal = interrupt.requested())
       throw Interrupted(*signal, fmt::format("interrupted after {}", sim::count_text(frames, "frame")));
     if (!timed) break;
@@ -122,13 +133,13 @@ void replay_log(const CanReplayArguments& arguments) {
     ++frames;
   }
   fmt::print("{} frames sent\n", frames);
-  print_remarks(*source);
   if (!skipped.empty()) sim::print_error("koboshi: not sent: {}\n", skipped.text());
 }
 
 void add_replay(CLI::App& can) {
   auto arguments = std::make_shared<CanReplayArguments>();
   CLI::App* command = can.add_subcommand("replay", "Send the frames of a log with their timing");
+  command->footer("Ctrl-C ends it early with status 130, SIGTERM with 143.\n");
   add_log_options(*command, arguments->log, kLogHelp)->required();
   command->add_option("--speed", arguments->speed, "Speed relative to the log (default: 1)")
       ->check(CLI::Range(0.01, 1000.0));
@@ -145,7 +156,7 @@ struct CanExportArguments {
 };
 
 void write_export(const CanExportArguments& arguments) {
-  const std::string extension = arguments.out.extension().string();
+  const std::string extension = sim::extension_of(arguments.out);
   if (extension != ".csv" && extension != ".asc")
     throw sim::InputError("--out", 0, sim::one_line(arguments.out.string()),
                           "a file with the extension .csv or .asc");

@@ -27,12 +27,13 @@ struct LssArguments {
   bool store = false;
   int delay_ms = 0;
   int timeout_ms = 500;
+  SdoChannel channel = SdoChannel::kAutomatic;  // for the identity of --node
   CanOptions can;
 };
 using LssPointer = std::shared_ptr<LssArguments>;
 
-LssAddress identity_of(sim::Transport& transport, std::uint8_t node) {
-  SdoTransfer sdo(transport, node);
+LssAddress identity_of(sim::Transport& transport, std::uint8_t node, SdoChannel channel) {
+  SdoTransfer sdo = open_sdo(transport, node, channel);
   LssAddress address{};
   for (std::size_t i = 0; i < address.size(); ++i) {
     const auto data = sdo.read({0x1018, static_cast<std::uint8_t>(i + 1)});
@@ -65,7 +66,7 @@ class Session {
     if (arguments.address.empty() && arguments.node.empty())
       return master_.switch_globally(LssSlave::State::kConfiguration);
     const LssAddress address = arguments.address.empty()
-                                   ? identity_of(*transport_, parse_node(arguments.node))
+                                   ? identity_of(*transport_, parse_node(arguments.node), arguments.channel)
                                    : parse_lss_address(arguments.address);
     if (!master_.switch_selectively(address))
       throw std::runtime_error(fmt::format("no LSS slave {} answers", lss_address_text(address)));
@@ -175,6 +176,7 @@ CLI::App* add(CLI::App& lss, const char* name, const char* text, const LssPointe
                      "(default: the only slave on the bus)")
         ->type_name("NODE")
         ->excludes(address);
+    add_sdo_options(*command, arguments->channel);
   }
   command
       ->add_option("--timeout", arguments->timeout_ms,

@@ -26,14 +26,12 @@ struct CanSdoArguments {
   std::string value;
   std::string type;
   std::filesystem::path file;
-  bool second = false;
+  SdoChannel channel = SdoChannel::kAutomatic;
   CanOptions can;
 };
 
-// The first SDO channel of the node, or the second with --second.
 SdoTransfer open_transfer(const CanSdoArguments& arguments, sim::Transport& transport) {
-  const std::uint8_t node = parse_node(arguments.node);
-  return arguments.second ? second_sdo(transport, node) : SdoTransfer(transport, node);
+  return open_sdo(transport, parse_node(arguments.node), arguments.channel);
 }
 
 // Parses 2101:1, 0x2101:0x1 or 1008, all hexadecimal.
@@ -121,8 +119,7 @@ CLI::App* add(CLI::App& sdo, const char* name, const char* text,
   CLI::App* command = sdo.add_subcommand(name, text);
   command->add_option("NODE", arguments->node, "1 to 127, decimal")->required();
   command->add_option("OBJECT", arguments->object, "Index and sub-index, hexadecimal: 1018:1")->required();
-  command->add_flag("--second", arguments->second,
-                    "Use a drive's second SDO channel (0x1201), and leave the first to the controller");
+  add_sdo_options(*command, arguments->channel);
   add_can_options(*command, arguments->can);
   return command;
 }

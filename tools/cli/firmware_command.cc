@@ -59,8 +59,9 @@ void add_firmware_command(CLI::App& program, Invocation&) {
       program.add_subcommand("firmware", "Run the controller's firmware as a process on a CAN bus");
   command->footer(
       R"(Drives and sensors are nodes of the same bus: those of `koboshi board`, or real ones. The controller boots
-limp and waits for commands over the bus (docs/guide/live-bus.md). It ends with status 1 if another controller,
-such as that of `koboshi run`, is on the bus already.
+limp and waits for commands over the bus (docs/guide/live-bus.md). It ends after --duration, or by Ctrl-C or
+SIGTERM, with status 0 in each case; and with status 1 if another controller, such as that of `koboshi run`, is
+on the bus already.
 
 Examples:
   koboshi board --can socketcan:vcan0 &

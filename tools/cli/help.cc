@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim_board/input/text.h"
+#include "sim_board/input/units.h"
 
 namespace koboshi::tools {
 namespace {
@@ -57,6 +58,29 @@ void shorten_range(CLI::Option& option) {
   }
 }
 
+// By the placeholder of an option's value.
+std::string unit_of_placeholder(const std::string& placeholder) {
+  static const std::map<std::string, std::string> kUnits{
+      {"SECONDS", "s"}, {"MS", "ms"}, {"METRES", "m"}, {"HOURS", "h"}};
+  const auto found = kUnits.find(placeholder);
+  return found == kUnits.end() ? std::string() : found->second;
+}
+
+// Lets the value of an option have a unit: --duration 500ms.
+void accept_unit(CLI::Option& option, const std::string& unit) {
+  option.transform(CLI::Validator(
+      [unit](std::string& text) -> std::string {
+        const auto typed = sim::split_units(text);
+        if (!typed || typed->texts.size() != 1 || typed->unit.empty()) return {};  // a number, or no number
+        const auto value = sim::parse_quantity(text, unit);
+        if (!value)
+          return "found " + sim::one_line(text) + ", expected a number with " + sim::expected_unit(unit);
+        text = sim::number_text(*value);
+        return {};
+      },
+      ""));
+}
+
 // The type alone, before its validators' descriptions.
 std::string own_type(const CLI::Option& option) {
   const std::string text = option.get_type_name();
@@ -71,6 +95,8 @@ void name_placeholders(CLI::App& program) {
     if (is_type_of_cli11(type))
       option->type_name(option->get_positional() ? "" : placeholder_of(*option, type));
     shorten_range(*option);
+    if (const std::string unit = unit_of_placeholder(own_type(*option)); !unit.empty())
+      accept_unit(*option, unit);
   }
   for (CLI::App* command : program.get_subcommands({})) name_placeholders(*command);
 }

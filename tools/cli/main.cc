@@ -1,7 +1,10 @@
 #include <CLI/CLI.hpp>
 #include <cstddef>
+#include <iostream>
+#include <sstream>
 #include <string>
 
+#include "sim_board/input/text.h"
 #include "sim_board/record/standard_streams.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/help.h"
@@ -14,7 +17,9 @@ constexpr const char* kFooter = R"(Begin with
 and look into runs/walk. Each command has a --help of its own; docs/guide/ shows how to use them.
 
 Exit status: 0 done; 1 a run or a check failed, or runs differ; 2 bad input, or a file cannot be written
-(one line on standard error names it); 130 interrupted by Ctrl-C, 143 by SIGTERM.
+(one line on standard error names it); 130 interrupted by Ctrl-C, 143 by SIGTERM. Either signal is the normal
+end, with status 0, of a command that lasts until the user ends it: run in real time, board, firmware, and can
+dump and can stats of a live bus or a pipe.
 )";
 
 // The command line as one would type it again, with `koboshi` for the path of the program.
@@ -43,7 +48,10 @@ int run_program(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return program.exit(error) == 0 ? 0 : koboshi::tools::kBadInput;
+    std::ostringstream message;  // quotes arguments
+    const int status = program.exit(error, std::cout, message);
+    koboshi::sim::write_to_standard_error(koboshi::sim::utf8_text(message.str()));
+    return status == 0 ? 0 : koboshi::tools::kBadInput;
   }
   return invocation.exit_status;
 }

@@ -12,6 +12,7 @@
 
 #include "firmware/motion/motion.h"
 #include "sim_board/input/error.h"
+#include "sim_board/input/foreign_text.h"
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 #include "sim_board/record/standard_streams.h"
@@ -165,7 +166,7 @@ int list(const MotionArguments& arguments) {
     if (!std::filesystem::is_directory(path)) files.push_back(path);
     if (!std::filesystem::is_directory(path)) continue;
     for (const auto& entry : std::filesystem::directory_iterator(path)) {
-      if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+      if (sim::extension_of(entry.path()) == ".yaml") files.push_back(entry.path());
     }
   }
   std::sort(files.begin(), files.end());

@@ -14,6 +14,7 @@
 
 #include "firmware/motion/motion.h"
 #include "firmware/storage/item.h"
+#include "sim_board/input/foreign_text.h"
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 #include "sim_board/robot/load.h"
@@ -43,7 +44,8 @@ using Arguments = std::shared_ptr<RobotMotionArguments>;
 
 // Returns the image in a file: compiled from a source, or as it is in a .kmot file.
 std::vector<std::byte> image_of(const RobotMotionArguments& arguments, const simulation::NamedModel& robot) {
-  if (arguments.motion.extension() != ".kmot") return simulation::compile_motion(arguments.motion, robot);
+  if (sim::extension_of(arguments.motion) != ".kmot")
+    return simulation::compile_motion(arguments.motion, robot);
   const std::string bytes = sim::read_text_file(arguments.motion, "the image of a motion");
   const auto data = std::as_bytes(std::span(bytes));
   return {data.begin(), data.end()};
@@ -89,7 +91,8 @@ int play_in_simulation(const RobotMotionArguments& arguments) {
 int play(RobotMotionArguments& arguments) {
   std::error_code ignored;
   const std::filesystem::path which = arguments.which;
-  if (std::filesystem::exists(which, ignored) || which.extension() == ".yaml" || which.has_parent_path()) {
+  if (std::filesystem::exists(which, ignored) || sim::extension_of(which) == ".yaml" ||
+      which.has_parent_path()) {
     arguments.motion = arguments.which;
     return play_in_simulation(arguments);
   }

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "sim_board/input/foreign_text.h"
 #include "tools/cli/commands.h"
 #include "tools/motion/check/check.h"
 #include "tools/motion/view/plot.h"
@@ -39,7 +40,7 @@ void preview(MotionViewArguments& arguments) {
   const MotionReport report = checker.check(arguments.motion);
   view::FilmOptions& film = arguments.film;
   film.out = arguments.out;
-  if (film.out.extension() == ".png" && film.at_s.empty() && film.instants == 0)
+  if (sim::extension_of(film.out) == ".png" && film.at_s.empty() && film.instants == 0)
     film.at_s = {report.least_margin_s};
   for (const view::Overlay overlay : {view::Overlay::kTime, view::Overlay::kEvents, view::Overlay::kZmp,
                                       view::Overlay::kCom, view::Overlay::kSupport, view::Overlay::kLegend})

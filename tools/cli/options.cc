@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
+#include <map>
 #include <stdexcept>
 
 #include <fmt/core.h>
@@ -18,6 +19,11 @@ namespace koboshi::tools {
 namespace {
 
 constexpr const char* kRobot = "robots/koboshi/robot.sdf";
+
+const std::map<std::string, sim::CandumpReader::Times> kTimes{
+    {"auto", sim::CandumpReader::Times::kRecognised},
+    {"absolute", sim::CandumpReader::Times::kAbsolute},
+    {"delta", sim::CandumpReader::Times::kDifferences}};
 
 }  // namespace
 
@@ -54,6 +60,18 @@ std::unique_ptr<sim::Transport> open_can(const CanOptions& options) {
   return transport;
 }
 
+void add_sdo_options(CLI::App& command, SdoChannel& channel) {
+  CLI::Option* first = command.add_flag_callback(
+      "--first", [&channel] { channel = SdoChannel::kFirst; },
+      "Use a drive's first SDO channel (0x1200), which is the controller's");
+  command
+      .add_flag_callback(
+          "--second", [&channel] { channel = SdoChannel::kSecond; },
+          "Use a drive's second SDO channel (0x1201) only (default: the second; the first if there is no "
+          "answer)")
+      ->excludes(first);
+}
+
 CLI::Option* add_log_options(CLI::App& command, LogChoice& log, const std::string& help) {
   CLI::Option* place = command.add_option("LOG", log.place, help);
   command
@@ -62,8 +80,13 @@ CLI::Option* add_log_options(CLI::App& command, LogChoice& log, const std::strin
       ->type_name("NAME")
       ->needs(place);
   command
-      .add_flag("--differences", log.differences,
-                "The log's times are differences (candump -t d); recognised, except from a pipe")
+      .add_option_function<std::string>(
+          "--times", [&log](const std::string& name) { log.times = kTimes.at(name); },
+          "How to read the log's times: absolute, as they are (candump -t a, A and z); delta, as\n"
+          "differences (-t d); auto (default): as differences if they begin at zero and then decrease\n"
+          "or repeat, which a warning says, and which is not recognised from a pipe")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"auto", "absolute", "delta"}))
       ->needs(place);
   return place;
 }
@@ -81,9 +104,10 @@ OpenedSource open_source(const LogChoice& log, const CanOptions& options, Interr
   return {std::move(transport), std::move(source)};
 }
 
-void print_remarks(const FrameSource& source) {
-  std::fflush(stdout);
-  for (const std::string& remark : source.remarks()) warn(remark);
+void print_remarks(FrameSource& source) {
+  const std::vector<std::string> remarks = source.take_remarks();
+  if (!remarks.empty()) std::fflush(stdout);
+  for (const std::string& remark : remarks) warn(remark);
 }
 
 std::uint8_t parse_node(const std::string& text) {

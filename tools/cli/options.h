@@ -10,6 +10,7 @@
 
 #include "sim_board/can/transport/transport.h"
 #include "sim_board/input/yaml_tree.h"
+#include "tools/can/sdo_transfer.h"
 #include "tools/can/source.h"
 #include "tools/dictionary/network.h"
 #include "tools/run/interrupt.h"
@@ -44,7 +45,10 @@ inline constexpr const char* kLogHelp = "A log of candump -L, the folder of a ru
 inline constexpr const char* kLogOrBusHelp =
     "A log of candump -L, the folder of a run, or - for standard input\n(default: the live bus)";
 
-// Adds LOG, and with it --bus and --differences. Returns the option of LOG.
+// Adds --first and --second, which choose the SDO channel of a drive. `channel` must outlive the command.
+void add_sdo_options(CLI::App& command, SdoChannel& channel);
+
+// Adds LOG, and with it --bus and --times. Returns the option of LOG.
 CLI::Option* add_log_options(CLI::App& command, LogChoice& log, const std::string& help);
 
 // Frames from a log, if one is named, else from the bus.
@@ -54,8 +58,9 @@ struct OpenedSource {
 };
 // Signals end the waits; standard output is flushed before each.
 OpenedSource open_source(const LogChoice& log, const CanOptions& options, Interrupt& interrupt);
-// Prints on standard error what the user should know about a log that was read.
-void print_remarks(const FrameSource& source);
+// Prints on standard error what the user should know about the part of a log that was read since the last
+// call.
+void print_remarks(FrameSource& source);
 
 // The messages on the bus of a robot's file; without one, of Koboshi from the repository of this folder or of
 // the program, and empty if there is none.

@@ -27,6 +27,9 @@ void add_run_command(CLI::App& program, Invocation& invocation) {
   summary.json  the outcome; timing.json: the computing time on this machine
   *.png, *.svg  figures
 
+In real time, Ctrl-C and SIGTERM are the normal end, with all results and status 0 or 1; else an interruption,
+with status 130 or 143.
+
 Examples:
   koboshi run scenarios/walk.yaml
   koboshi run scenarios/walk.yaml --seed 7 --set ground.friction=0.4 --out runs/slippery

@@ -257,7 +257,8 @@ target in the RPDO that brings the enabling controlword counts.
 
 The same check judges a value whichever service brings it: SDO, an RPDO, or stored parameters. A value in an RPDO that its
 object does not take is ignored, with error 6320 and, in the manufacturer field of the emergency message, the object's
-index (2 bytes), its sub-index and the number of the RPDO from 1. The rest of the RPDO is processed.
+index (2 bytes), its sub-index and the number of the RPDO from 1. Each object has a message when its refusal begins. The
+rest of the RPDO is processed.
 
 Bit 11 of the statusword is set while any of these limits or 607D holds the drive back and while a ramp is steepened, and
 2002 adds up that time.

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/foreign_text.h"
 
 namespace koboshi::tools {
 namespace {
@@ -26,13 +27,14 @@ Cells split(const std::string& line) {
 
 class TraceLines {
  public:
-  explicit TraceLines(const std::filesystem::path& file) : file_(file), stream_(file) {
+  explicit TraceLines(const std::filesystem::path& file)
+      : file_(file), stream_(file, std::ios::binary), lines_(stream_) {
     if (!stream_) throw sim::InputError(file, 0, "no file that can be read", "the trace of a run");
     if (!next()) throw sim::InputError(file, 0, "nothing", "a header line and rows");
     columns_ = split(line_);
   }
 
-  bool next() { return static_cast<bool>(std::getline(stream_, line_)) && ++number_ > 0; }
+  bool next() { return lines_.next(line_) && ++number_ > 0; }
   const std::string& text() const { return line_; }
   int number() const { return number_; }
   const Cells& columns() const { return columns_; }
@@ -49,6 +51,7 @@ class TraceLines {
  private:
   std::filesystem::path file_;
   std::ifstream stream_;
+  sim::LineReader lines_;
   std::string line_;
   int number_ = 0;
   Cells columns_;

@@ -30,7 +30,7 @@ void close_standard_output() {
 }
 
 int reported(const std::string& name, const std::exception& error, int status) {
-  sim::print_error("{}: {}\n", name, error.what());
+  sim::print_error("{}: {}\n", name, sim::utf8_text(error.what()));
   return status;
 }
 

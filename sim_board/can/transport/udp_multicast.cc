@@ -165,7 +165,7 @@ std::optional<BusFrame> unpack_datagram(std::span<const std::uint8_t> datagram) 
     const auto size = message.at("dlc").get<unsigned>();  // python-can's dlc is the number of bytes
     const bool standard = !extended && !error;
     if (identifier >= (standard ? kStandardIdentifiers : kExtendedIdentifiers)) return std::nullopt;
-    if (size > (fd ? ForeignFrame::kMaxBytes : hal::CanFrame{}.data.size())) return std::nullopt;
+    if (fd ? !is_fd_size(size) : size > hal::CanFrame{}.data.size()) return std::nullopt;
     const auto fill = [&](auto frame) -> std::optional<BusFrame> {
       frame.size = static_cast<std::uint8_t>(size);
       frame.remote = remote;

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/foreign_text.h"
 #include "sim_board/input/user_units.h"
 #include "sim_board/record/output_file.h"
 #include "tools/lab/plot/figure.h"
@@ -80,7 +81,7 @@ Columns columns_of_motion(MotionChecker const& checker, const std::vector<std::s
 }  // namespace
 
 void plot_motion(const MotionReport& report, const MotionChecker& checker, const std::filesystem::path& out) {
-  if (out.extension() != ".png" && out.extension() != ".svg")
+  if (sim::extension_of(out) != ".png" && sim::extension_of(out) != ".svg")
     throw sim::InputError(out, 0, "a picture '" + out.filename().string() + "'",
                           "a name that ends in .png or .svg");
   const std::vector<std::size_t> joints = moving_joints(checker.trajectory());
@@ -115,7 +116,7 @@ void plot_motion(const MotionReport& report, const MotionChecker& checker, const
   std::error_code failed;
   for (const char* const extension : {".png", ".svg"}) {
     const std::filesystem::path drawn = base.string() + extension;
-    if (out.extension() == extension)
+    if (sim::extension_of(out) == extension)
       std::filesystem::rename(drawn, out, failed);
     else
       std::filesystem::remove(drawn);

@@ -13,6 +13,8 @@
 namespace koboshi::tools {
 namespace {
 
+constexpr double kRounding = 1e-9;  // of a value that is converted to a unit without a rule of its own
+
 const sim::UserUnit* shown_unit_of(const ModelField& field) {
   if (field.content() != sim::XmlContent::kNumbers) return nullptr;
   const std::string unit = field.unit();
@@ -59,7 +61,7 @@ class Typed {
   }
 
  private:
-  // `question`: as of sim::unit_question(), or empty.
+  // `question`: as of sim::unit_question() or sim::expected_unit(), or empty.
   [[noreturn]] void fail(const std::string& question = {}) const {
     const auto path = field_.element_path(document_);
     const XmlPart* part = path ? document_.find(*path) : nullptr;
@@ -77,12 +79,11 @@ class Typed {
   }
 
   std::string numbers() const {
-    std::size_t count = 0;
-    while (count < words_.size() && sim::parse_number(words_[count])) ++count;
-    if (count != field_.numbers()) fail();
-    const std::string unit = joined(words_, count, words_.size());
-    std::vector<std::string> texts(words_.begin(), words_.begin() + static_cast<std::ptrdiff_t>(count));
-    if (!unit.empty() && unit != field_.unit()) convert(texts, unit);
+    const auto typed = sim::split_units(typed_);
+    if (!typed || typed->texts.size() != field_.numbers()) fail();
+    const std::string& unit = typed->unit;
+    std::vector<std::string> texts = typed->texts;
+    if (!unit.empty()) convert(texts, unit);
     std::vector<double> values;
     for (const std::string& text : texts) values.push_back(*sim::parse_number(text));
     if (!std::ranges::all_of(values, [this](double value) { return is_within(value); }))
@@ -92,13 +93,15 @@ class Typed {
     return joined(texts, 0, texts.size());
   }
 
+  // Numbers in the file's unit keep their digits.
   void convert(std::vector<std::string>& texts, const std::string& name) const {
-    const auto unit = std::ranges::find_if(sim::user_units(), [&](const sim::UserUnit& u) {
-      return u.name == name && u.of_file == field_.unit();
-    });
-    if (unit == sim::user_units().end()) fail();
-    for (std::string& text : texts)
-      text = rounded_text(*sim::parse_number(text) * unit->factor, unit->rounding);
+    const std::string unit = field_.unit() == "1" ? std::string() : field_.unit();
+    const auto factor = unit.empty() ? std::nullopt : sim::unit_factor(name, unit);
+    if (!factor) fail(sim::expected_unit(unit));
+    if (*factor == 1.0) return;
+    const auto rule = std::ranges::find(sim::user_units(), std::string_view(unit), &sim::UserUnit::of_file);
+    const double rounding = rule == sim::user_units().end() ? kRounding : rule->rounding;
+    for (std::string& text : texts) text = rounded_text(*sim::parse_number(text) * *factor, rounding);
   }
 
   const XmlDocument& document_;
@@ -116,8 +119,8 @@ std::string file_text(const XmlDocument& document, const ModelField& field, cons
 std::string assumed_unit(const ModelField& field, const std::string& typed) {
   const std::string unit = field.unit();
   if (field.content() != sim::XmlContent::kNumbers || unit == "1") return {};
-  const std::vector<std::string> words = words_of(typed);
-  return !words.empty() && sim::parse_number(words.back()) ? unit : std::string();
+  const auto numbers = sim::split_units(typed);
+  return numbers && numbers->unit.empty() ? unit : std::string();
 }
 
 std::string shown_text(const ModelField& field, const std::string& value) {

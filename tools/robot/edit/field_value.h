@@ -6,9 +6,9 @@
 
 namespace koboshi::tools {
 
-// Returns the text for a file of a value as people type it. Numbers may end with a unit that differs from the
-// field's: "150 deg", "0 0 -65 mm", "60 g". Throws sim::InputError unless the value fits the field;
-// `document` gives file and line.
+// Returns the text for a file of a value as people type it. Numbers may have a unit (sim::split_units) that
+// differs from the field's: "150 deg", "60g", "0 0 -65 mm". Throws sim::InputError unless the value fits the
+// field; `document` gives file and line.
 [[nodiscard]] std::string file_text(const XmlDocument& document, const ModelField& field,
                                     const std::string& typed);
 

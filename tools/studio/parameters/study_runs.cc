@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/foreign_text.h"
 #include "sim_board/input/text.h"
 #include "sim_board/input/yaml_tree.h"
 #include "sim_board/record/output_folder.h"
@@ -113,7 +114,7 @@ std::vector<fs::path> find_studies(const fs::path& folder) {
   std::vector<fs::path> studies;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == ".yaml" && is_study(entry.path())) studies.push_back(entry.path());
+    if (sim::extension_of(entry.path()) == ".yaml" && is_study(entry.path())) studies.push_back(entry.path());
   std::ranges::sort(studies);
   return studies;
 }

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/foreign_text.h"
 #include "sim_board/input/text.h"
 #include "sim_board/input/yaml_tree.h"
 #include "sim_board/scenario/reader.h"
@@ -42,7 +43,7 @@ enum class FileKind { kScenario, kMotion, kRecording };
 
 // Tells what a file holds. Throws sim::InputError for a file that is none of them.
 FileKind kind_of_file(const std::filesystem::path& file) {
-  if (std::filesystem::is_directory(file) || file.extension() == ".mcap") return FileKind::kRecording;
+  if (std::filesystem::is_directory(file) || sim::extension_of(file) == ".mcap") return FileKind::kRecording;
   const sim::YamlNode document = sim::parse_yaml(sim::read_text_file(file, "a scenario or a motion"), file);
   if (document.find("steps") != nullptr) return FileKind::kMotion;
   if (document.find("duration_s") != nullptr) return FileKind::kScenario;

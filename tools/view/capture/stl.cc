@@ -14,6 +14,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "sim_board/input/foreign_text.h"
 #include "sim_board/input/text.h"
 
 namespace koboshi::view {
@@ -165,7 +166,8 @@ StlFile read_stl(const std::filesystem::path& file) {
     if (bytes.size() == kHeader_bytes + kTriangle_bytes * count) return read_binary(bytes, count);
   }
   // A binary file may begin with the same word, but its size then fits its number of triangles.
-  if (Words(bytes).next() == "solid") return read_ascii(bytes);
+  if (const std::string text = sim::with_line_feeds(bytes); Words(text).next() == "solid")
+    return read_ascii(text);
   return {.fault = bytes.empty() ? "an empty file" : "another format, or a binary STL that is cut short"};
 }
 

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/foreign_text.h"
 #include "sim_board/record/output_file.h"
 
 extern char** environ;
@@ -71,7 +72,7 @@ std::vector<std::string> palette_output() {
 }
 
 std::vector<std::string> output_of(const Encoder::Film& film, const std::filesystem::path& palette) {
-  const std::string extension = film.file.extension().string();
+  const std::string extension = sim::extension_of(film.file);
   if (extension == ".gif") return gif_output(palette);
   return extension == ".webp" ? webp_output() : mp4_output();
 }

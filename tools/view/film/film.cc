@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/foreign_text.h"
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 #include "tools/view/film/canvas.h"
@@ -45,7 +46,7 @@ Size default_size(Kind kind) {
 }
 
 Kind kind_of(const FilmOptions& options) {
-  const std::string extension = options.out.extension().string();
+  const std::string extension = sim::extension_of(options.out);
   if (extension == ".png")
     return options.instants > 0 || options.at_s.size() > 1 ? Kind::kStrip : Kind::kPicture;
   if (extension == ".mp4") return Kind::kVideo;
@@ -211,7 +212,7 @@ void write_film(Painter& painter, const Plan& plan, const FilmOptions& options,
                            [&] { progress(done, total); }};
   Canvas canvas(plan.size.width_px, plan.size.height_px);
   const PaletteFile palette(options.out);
-  if (options.out.extension() == ".gif") {
+  if (sim::extension_of(options.out) == ".gif") {
     Encoder encoder = Encoder::palette_of(film, palette.path());
     const std::size_t step = std::max<std::size_t>(1, plan.times_us.size() / kPaletteFrames);
     for (std::size_t i = 0; i < plan.times_us.size(); i += step) {

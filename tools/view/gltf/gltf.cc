@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/foreign_text.h"
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 
@@ -311,7 +312,7 @@ class Document {
 std::string gltf_of(const Recording& recording) { return Document(recording).glb(); }
 
 void write_gltf(const Recording& recording, const std::filesystem::path& file) {
-  if (file.extension() != ".glb")
+  if (sim::extension_of(file) != ".glb")
     throw sim::InputError("--gltf", 0, file.string(), "a file whose name ends in .glb");
   sim::write_whole_file(file, gltf_of(recording));
 }

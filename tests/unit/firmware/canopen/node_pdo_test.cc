@@ -116,6 +116,27 @@ TEST(NodeRpdo, ReportsEachObjectThatRefusesItsValue) {
   EXPECT_FALSE(device.node.errors().active(0x6320));
 }
 
+// Two of one PDO refuse at once, then one of them, then both: each has a message when its refusal begins.
+TEST(NodeRpdo, ReportsEveryObjectOfOnePdoThatRefusesItsValue) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.write_object({0x1402, 2}, 255, 1), AbortCode::kNone);
+  ASSERT_EQ(device.node.configure_rpdo(
+                2, {.cob_id = 0x410, .mapping = {mapping(0x607A, 0, 32), mapping(0x6060, 0, 8)}}),
+            AbortCode::kNone);
+  device.sink.take();
+  const hal::CanFrame target = can_frame(0x090, {0x20, 0x63, 0x01, 0x7A, 0x60, 0, 3, 0});
+  const hal::CanFrame mode = can_frame(0x090, {0x20, 0x63, 0x01, 0x60, 0x60, 0, 3, 0});
+  const hal::CanFrame both = can_frame(0x410, {0xFF, 0xFF, 0xFF, 0x7F, 99});
+  EXPECT_EQ(device.ask(both), (std::vector{target, mode}));
+  EXPECT_TRUE(device.ask(both).empty());
+  EXPECT_TRUE(device.ask(can_frame(0x410, {0, 0, 0, 0, 99})).empty());
+  EXPECT_EQ(device.ask(both), std::vector{target});
+  EXPECT_EQ(device.ask(can_frame(0x410, {0, 0, 0, 0, 1})),
+            std::vector{can_frame(0x090, {0, 0, 0, 0, 0, 0, 0, 0})});
+  EXPECT_EQ(device.ask(both), (std::vector{target, mode}));
+}
+
 TEST(NodeRpdo, RejectsAnIdentifierInUse) {
   TestNode device;
   device.make_operational();

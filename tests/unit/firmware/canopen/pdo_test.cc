@@ -166,7 +166,7 @@ TEST_F(PdoRecordTest, HasTheSubindicesOfItsDirection) {
 TEST_F(PdoRecordTest, PacksAndUnpacksLittleEndian) {
   ASSERT_EQ(receive_.configure(kTestRpdos[0], 0x10, dictionary_), AbortCode::kNone);
   const std::uint8_t received[] = {0x34, 0x12, 0x18, 0xFC, 0xFF, 0xFF};
-  EXPECT_EQ(receive_.unpack(dictionary_, received), ObjectAddress{});
+  EXPECT_EQ(receive_.unpack(dictionary_, received), 0);
   EXPECT_EQ(values_.controlword, 0x1234);
   EXPECT_EQ(values_.target, -1000);
   ASSERT_EQ(transmit_.configure(kTestTpdos[0], 0x10, dictionary_), AbortCode::kNone);

@@ -75,7 +75,8 @@ inline constexpr Entry kTestRows[] = {
     domain(0x2100, 4, Access::kReadWrite),
     object(0x6040, 0, KOBOSHI_FIELD(TestValues, controlword), Access::kReadWrite, Mappable::kRpdo),
     object(0x6041, 0, KOBOSHI_FIELD(TestValues, statusword), Access::kReadOnly, Mappable::kTpdo),
-    object(0x6060, 0, KOBOSHI_FIELD(TestValues, mode), Access::kReadWrite).within<std::int8_t>(-1, 10),
+    object(0x6060, 0, KOBOSHI_FIELD(TestValues, mode), Access::kReadWrite, Mappable::kRpdo)
+        .within<std::int8_t>(-1, 10),
     object(0x6064, 0, KOBOSHI_FIELD(TestValues, position), Access::kReadOnly, Mappable::kTpdo),
     object(0x6077, 0, KOBOSHI_FIELD(TestValues, torque), Access::kReadOnly, Mappable::kTpdo),
     object(0x607A, 0, KOBOSHI_FIELD(TestValues, target), Access::kReadWrite, Mappable::kRpdo)

@@ -194,6 +194,54 @@ TEST_F(CandumpLog, GoesOnWhereTimesDecrease) {
   EXPECT_EQ(remarks_, std::vector{file_.string() + ":2: the clock was set back by 4 s"});
 }
 
+TEST_F(CandumpLog, SaysThatItReadsDifferences) {
+  const std::string log = "(000.000000) c 080#\n# a note\n(000.010000) c 080#\n(000.009000) c 080#\n";
+  EXPECT_EQ(times_of(log), (std::vector<std::uint64_t>{0, 10'000, 19'000}));
+  ASSERT_EQ(remarks_.size(), 1u);
+  EXPECT_TRUE(remarks_[0].starts_with(file_.string() +
+                                      ":4: a time that is not after the previous one: the times "
+                                      "are read as differences"))
+      << remarks_[0];
+  CandumpReader absolute(write(log), CandumpReader::Times::kAbsolute);
+  std::vector<std::uint64_t> times;
+  while (const auto logged = absolute.next()) times.push_back(logged->time_us);
+  EXPECT_EQ(times, (std::vector<std::uint64_t>{0, 10'000, 10'000}));
+  ASSERT_EQ(absolute.remarks().size(), 1u);
+  EXPECT_TRUE(absolute.remarks()[0].starts_with(file_.string() + ":4: 1 frame out of order"))
+      << absolute.remarks()[0];
+}
+
+// A log in reverse gives two lines, not one for each frame.
+TEST_F(CandumpLog, CountsTimesThatDecrease) {
+  std::string log;
+  for (int i = 0; i < 50; ++i) log += "(" + std::to_string(1000 - 2 * i) + ".000000) a 080#\n";
+  EXPECT_EQ(times_of(log).size(), 50u);
+  EXPECT_EQ(remarks_, (std::vector{file_.string() + ":2: the clock was set back by 2 s",
+                                   file_.string() + ":50: the clock was set back 49 times"}));
+}
+
+TEST_F(CandumpLog, ReadsLogsOfOtherSystems) {
+  const std::vector<std::uint64_t> times{1'000'000, 2'000'000};
+  EXPECT_EQ(times_of("\xEF\xBB\xBF(1.000000) c 080#\n(2.000000) c 080#\n"), times);
+  EXPECT_EQ(times_of("(1.000000) c 080#\r(2.000000) c 080#\r"), times);
+  EXPECT_EQ(times_of("(1.000000) c 080#\r\n(2.000000) c 080#\r\n"), times);
+  EXPECT_TRUE(remarks_.empty());
+  EXPECT_EQ(times_of("(000.000000) c 080#\r(000.010000) c 080#\r(000.005000) c 080#\r"),
+            (std::vector<std::uint64_t>{0, 10'000, 15'000}));
+  EXPECT_NE(error_of("(1.000000) c 080#\r(2.000000) c 80#\r").find(":2: found "), std::string::npos);
+}
+
+TEST_F(CandumpLog, HasFramesOfCanFdOfTheirSizesOnly) {
+  for (std::size_t bytes = 0; bytes <= 65; ++bytes) {
+    const std::string notation = "123##1" + std::string(2 * bytes, '0');
+    const bool exists = bytes <= 8 || bytes == 12 || bytes == 16 || bytes == 20 || bytes == 24 ||
+                        bytes == 32 || bytes == 48 || bytes == 64;
+    const std::string error = error_of("(1.000000) c " + notation + "\n");
+    EXPECT_EQ(error == "no error", exists) << bytes << ": " << error;
+    EXPECT_EQ(error.find("CAN FD has 0 to 8, 12, 16,") == std::string::npos, exists) << error;
+  }
+}
+
 TEST_F(CandumpLog, RefusesTheScreenFormatWithTheOptionThatRecordsALog) {
   for (const std::string line :
        {"  vcan0  123   [2]  00 11",

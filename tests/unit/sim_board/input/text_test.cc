@@ -58,6 +58,30 @@ TEST(OneLine, EndsBetweenCharactersAndIsUtf8) {
   }
 }
 
+TEST(OneLine, ShowsWhatNobodySees) {
+  EXPECT_EQ(one_line("a\u202Eb"), "a\\u202Eb");  // the rest would run from right to left
+  for (const auto& [text, shown] :
+       std::vector<std::pair<std::string, std::string>>{{"\u202A", "\\u202A"},
+                                                        {"\u2066", "\\u2066"},
+                                                        {"\u2069", "\\u2069"},
+                                                        {"\u00A0", "\\u00A0"},
+                                                        {"\u200B", "\\u200B"},
+                                                        {"\u200F", "\\u200F"},
+                                                        {"\uFEFF", "\\uFEFF"},
+                                                        {"\u0085", "\\u0085"},
+                                                        {"\u00AD", "\\u00AD"},
+                                                        {"\u2028", "\\u2028"},
+                                                        {"\u3000", "\\u3000"},
+                                                        {"\U000E0041", "\\U000E0041"}}) {
+    EXPECT_EQ(one_line("a" + text + "b"), "a" + shown + "b");
+    EXPECT_STREQ(InputError("f" + text, 1, "a", "b").what(),
+                 ("f" + shown + ":1: found a, expected b").c_str());
+  }
+  for (const std::string seen : {"\u00E9", "\u03B1", "\u05D0", "\u81E7", "\U0001F916", "\u00B0"})
+    EXPECT_EQ(one_line(seen), seen);
+  EXPECT_EQ(utf8_text("\x1B[2J\n"), "\\x1B[2J\n");
+}
+
 TEST(InputErrorText, IsUtf8WhateverItQuotes) {
   const InputError error(
       "f\xFC"

@@ -55,6 +55,35 @@ TEST(YamlReader, ReadsEveryType) {
   file.finish();
 }
 
+TEST(YamlReader, ConvertsToTheUnitOfTheKey) {
+  const ScratchFile scratch("yaml", "duration_s: 500ms\nposition_m: [10 cm, 1]\nturn_rad_per_s: 90 deg/s\n");
+  const std::vector<Override> overrides{{"pause_s", "2 min"}};
+  const YamlFile file(scratch.path(), overrides);
+  EXPECT_EQ(file.root().number("duration_s"), 0.5);
+  EXPECT_THAT(file.root().numbers("position_m", 2), ElementsAre(0.1, 1.0));
+  EXPECT_NEAR(file.root().number("turn_rad_per_s"), 1.5708, 1e-4);
+  EXPECT_EQ(file.root().number("pause_s"), 120.0);
+  EXPECT_EQ("FILE:1: found x_s = 5 kg, expected a number with the unit s, ms, us, min or h",
+            complaint("x_s: 5 kg\n", [](const YamlMap& root) { root.number("x_s"); }));
+  EXPECT_EQ("FILE:1: found x = 5s, expected a number from 0.01 to 3600", complaint("x: 5s\n", read_number));
+  EXPECT_EQ("FILE:1: found x_s = 5000000ms, expected a number of 3600 or less",
+            complaint("x_s: 5000000ms\n", [](const YamlMap& root) { root.number("x_s", {.max = 3600}); }));
+  EXPECT_EQ("FILE:1: found x_s = \"5s\", expected a number",
+            complaint("x_s: \"5s\"\n", [](const YamlMap& root) { root.number("x_s"); }));
+}
+
+TEST(YamlReader, ReadsLinesOfOtherSystemsOrRefusesThem) {
+  const auto read = [](const YamlMap& root) {
+    EXPECT_EQ(root.number("x"), 1.0);
+    EXPECT_EQ(root.number("y"), 2.0);
+  };
+  EXPECT_EQ("nothing", complaint("\xEF\xBB\xBFx: 1 # one\r\ny: 2\r\n", read));
+  EXPECT_EQ("FILE:1: found a line that ends with CR alone, expected LF or CR LF",
+            complaint("x: 1 # one\ry: 2\r", read));
+  EXPECT_EQ("FILE:2: found a line that ends with CR alone, expected LF or CR LF",
+            complaint("x: 1\r\ny: 2\r", read));
+}
+
 TEST(YamlReader, UsesTheFallbackOnlyForAMissingKey) {
   EXPECT_EQ("nothing", complaint("a: 1\n", [](const YamlMap& root) {
               root.integer("a");

@@ -17,6 +17,10 @@ class Cable final : public sim::Transport {
  public:
   bool send(const hal::CanFrame& frame, std::uint64_t) override {
     if (++sent_ == lost_request) return true;
+    if (disturbance && disturb_after-- == 0) {
+      for (const hal::CanFrame& answer : device.ask(*disturbance)) answers_.push_back(answer);
+      disturbance.reset();
+    }
     answers_.insert(answers_.end(), for_others.begin(), for_others.end());
     for (const hal::CanFrame& answer : device.ask(frame)) answers_.push_back(answer);
     // Of a block it sends what its queue takes; the rest with the next call.
@@ -37,7 +41,9 @@ class Cable final : public sim::Transport {
 
   canopen::TestNode device{5};
   int lost_request = -1;
-  std::vector<hal::CanFrame> for_others;  // that the node sends before each answer
+  std::optional<hal::CanFrame> disturbance;  // another client's request, once
+  int disturb_after = 0;                     // requests of this client from now on
+  std::vector<hal::CanFrame> for_others;     // that the node sends before each answer
 
  private:
   std::deque<hal::CanFrame> answers_;
@@ -83,6 +89,46 @@ TEST_F(SdoTransferTest, SkipsAnswersAboutOtherObjects) {
                       answer({0x60, 0x40, 0x60, 0, 0, 0, 0, 0}), answer({0x80, 0x34, 0x12, 0, 0, 0, 2, 6})};
   EXPECT_EQ(transfer.read({0x1018, 2}), (std::vector<std::uint8_t>{0x55, 0, 0, 0}));
   EXPECT_EQ(code_of([&] { transfer.read({0x1018, 9}); }), AbortCode::kSubindexDoesNotExist);
+}
+
+// It writes the object that this one reads, and transfers another by segments.
+TEST_F(SdoTransferTest, SkipsAnswersOfAnotherKind) {
+  const auto answer = [](std::array<std::uint8_t, 8> data) {
+    return hal::CanFrame{.identifier = 0x585, .size = 8, .data = data};
+  };
+  cable.for_others = {answer({0x60, 0x18, 0x10, 2}), answer({0x01, 1, 2, 3, 4, 5, 6, 7}), answer({0x20}),
+                      answer({0xA2, 1, 127})};
+  EXPECT_EQ(transfer.read({0x1018, 2}), (std::vector<std::uint8_t>{0x55, 0, 0, 0}));
+  cable.for_others = {answer({0x43, 0x00, 0x20, 2}), answer({0x30})};
+  transfer.write({0x2000, 2}, std::vector<std::uint8_t>{1, 2, 3, 4});
+  EXPECT_EQ(cable.device.values.gains[1], 0x04030201u);
+}
+
+// Another client's request ends the transfer; the server refuses the next segment.
+TEST_F(SdoTransferTest, RepeatsATransferThatAnotherClientHasEnded) {
+  const hal::CanFrame theirs{.identifier = 0x605, .size = 8, .data = {0x40, 0x41, 0x60, 0}};
+  for (const bool by_blocks : {false, true}) {
+    cable.disturb_after = 3;
+    cable.disturbance = theirs;
+    const std::vector<std::uint8_t> data = pattern(300);
+    if (by_blocks) {
+      transfer.download({0x2100, 1}, data);
+    } else {
+      transfer.write({0x2100, 1}, data);
+    }
+    EXPECT_EQ(cable.device.bytes.bytes, data) << by_blocks;
+    EXPECT_FALSE(cable.disturbance) << by_blocks;
+    cable.disturb_after = by_blocks ? 1 : 3;
+    cable.disturbance = theirs;
+    EXPECT_EQ(by_blocks ? transfer.upload({0x2100, 1}) : transfer.read({0x2100, 1}), data) << by_blocks;
+  }
+}
+
+TEST_F(SdoTransferTest, ReadsAgainAfterALostAnswerAndWritesOnce) {
+  cable.lost_request = 1;
+  EXPECT_EQ(transfer.read({0x1018, 2}), (std::vector<std::uint8_t>{0x55, 0, 0, 0}));
+  cable.lost_request = 3;
+  EXPECT_THROW(transfer.write({0x2000, 2}, std::vector<std::uint8_t>{1, 2, 3, 4}), NoSdoAnswer);
 }
 
 TEST_F(SdoTransferTest, WritesNumbers) {
@@ -147,6 +193,44 @@ class Ear final : public sim::Transport {
 
   std::vector<std::uint16_t> identifiers;
 };
+
+// A node that answers on one channel.
+class OneChannel final : public sim::Transport {
+ public:
+  explicit OneChannel(std::uint16_t request, std::uint16_t response)
+      : request_(request), response_(response) {}
+  bool send(const hal::CanFrame& frame, std::uint64_t) override {
+    last = frame.identifier;
+    if (frame.identifier == request_) {
+      answer_ = frame;
+      answer_->identifier = response_;
+      answer_->data[0] = 0x43;
+    }
+    return true;
+  }
+  std::optional<hal::CanFrame> receive() override { return std::exchange(answer_, std::nullopt); }
+  std::string place() const override { return "a node"; }
+
+  std::uint16_t last = 0;
+
+ private:
+  std::uint16_t request_;
+  std::uint16_t response_;
+  std::optional<hal::CanFrame> answer_;
+};
+
+TEST(OpenSdo, TakesTheSecondChannelOfADriveThatHasIt) {
+  OneChannel second(0x690, 0x6A4);
+  EXPECT_NO_THROW(open_sdo(second, 16, SdoChannel::kAutomatic).read({0x1018, 1}));
+  EXPECT_EQ(second.last, 0x690);
+  OneChannel first(0x610, 0x590);
+  EXPECT_NO_THROW(open_sdo(first, 16, SdoChannel::kAutomatic).read({0x1018, 1}));
+  EXPECT_EQ(first.last, 0x610);
+  OneChannel controller(0x601, 0x581);
+  EXPECT_NO_THROW(open_sdo(controller, 1, SdoChannel::kAutomatic).read({0x1018, 1}));
+  EXPECT_NO_THROW(open_sdo(first, 16, SdoChannel::kFirst).read({0x1018, 1}));
+  EXPECT_THROW(open_sdo(controller, 1, SdoChannel::kSecond), std::invalid_argument);
+}
 
 // Elsewhere its identifiers are another node's: 0x6A4 answers for drive 16, and would be the request of 36.
 TEST(SecondSdo, ExistsInDrivesOnly) {

@@ -133,6 +133,13 @@ TEST_F(ModelEditTest, ConvertsUnits) {
   set("left_shank.mass", "0.05 kg");
   EXPECT_EQ(value("left_shank.mass"), "0.05");
   EXPECT_THROW(set("left_shank.mass", "5 mm"), sim::InputError);
+  set("left_shank.mass", "45g");
+  EXPECT_EQ(value("left_shank.mass"), "0.045");
+  set("left_shank.mass", "0.0450kg");
+  EXPECT_EQ(value("left_shank.mass"), "0.0450");
+  set("left_shank.com", "1mm 0mm -30mm");
+  EXPECT_EQ(value("left_shank.inertial.pose"), "0.001 0 -0.03 0 0 0");
+  EXPECT_THROW(set("left_shank.com", "1mm 0mm -3cm"), sim::InputError);
   const ModelField knee = find_field(document_, "left_knee.lower");
   EXPECT_EQ(shown_text(knee, "2.617994"), "150");
   EXPECT_EQ(shown_unit(knee), "deg");
