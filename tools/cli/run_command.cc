@@ -29,7 +29,6 @@ void add_run_command(CLI::App& program, Invocation& invocation) {
   *.png, *.svg  figures
 
 Examples:
-  koboshi run scenarios/walk.yaml
   koboshi run walk
   koboshi run scenarios/walk.yaml --seed 7 --set ground.friction=0.4 --out runs/slippery
   koboshi run scenarios/teleop.yaml --realtime
