@@ -45,7 +45,7 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
-bool exists(const fs::path& path) {
+bool is_there(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
 }
@@ -194,27 +194,27 @@ fs::path read_path(const YamlValue& value, const fs::path& folder) {
 }
 
 fs::path find_path(const fs::path& given) {
-  if (given.empty() || exists(given)) return given;
+  if (given.empty() || is_there(given)) return given;
   for (const fs::path& base : searched_folders({})) {
-    if (exists(base / given)) return (base / given).lexically_normal();
+    if (is_there(base / given)) return (base / given).lexically_normal();
   }
   return given;
 }
 
 fs::path find_input(InputKind kind, const fs::path& given) {
   const fs::path path = find_path(given);
-  if (!is_name(given) || (exists(path) && !is_folder(path))) return path;
+  if (!is_name(given) || (is_there(path) && !is_folder(path))) return path;
   const std::vector<fs::path> folders = searched_folders({});
   for (const fs::path& folder : folders) {
     if (const fs::path file = find_named(place_of(kind), folder, given); !file.empty()) return file;
   }
-  if (exists(path)) return path;  // a folder, which the reader refuses
+  if (is_there(path)) return path;  // a folder, which the reader refuses
   refuse_name(given, place_of(kind).noun, folders, place_of(kind).folder, input_names(kind));
 }
 
 fs::path find_motion(const fs::path& given, const fs::path& robot) {
   const fs::path path = find_path(given);
-  if (!is_name(given) || exists(path)) return path;
+  if (!is_name(given) || is_there(path)) return path;
   if (const fs::path file = find_named_motion(robot, given); !file.empty()) return file;
   const std::array folders{robot.parent_path()};
   refuse_name(given, "motion", folders, "motions", robot_motion_names(robot));
