@@ -38,7 +38,7 @@ class Names(unittest.TestCase):
 
     def test_of_every_command(self):
         # The default robot of most of these is robots/koboshi/robot.sdf, which is not in this folder either.
-        self.assertIn("no errors", self.accept("model", "check", "koboshi"))
+        self.assertIn("no findings", self.accept("model", "check", "koboshi"))
         self.assertRegex(self.accept("model", "get", "koboshi", "left_shank.mass"), r"^[0-9.]+$")
         self.accept("motion", "check", "squat")
         self.accept("motion", "compile", "squat", "-o", "squat.kmot")

@@ -96,7 +96,7 @@ std::string description_of(const CLI::Option& option) {
   std::string text = option.get_description();
   std::ranges::replace(text, '\n', ' ');
   text = roff(text);
-  if (text.empty() || !std::string(".)").contains(text.back())) text += ".";
+  if (!text.ends_with('.')) text += ".";
   if (!option.get_default_str().empty()) text += " Default: " + roff(option.get_default_str()) + ".";
   if (!option.get_positional() && option.get_required()) text += " Required.";
   if (!option.get_needs().empty()) text += " Only with " + names_of(option.get_needs()) + ".";
