@@ -14,7 +14,7 @@ OPTION = re.compile(r"^  (-\S+?)(?:,(-\S+))?(?: |$)", re.MULTILINE)
 
 def plain(page):
     """Returns the text of a manual page without its requests and escapes."""
-    text = re.sub(r"\\f[BIR]|\\&", "", page)
+    text = re.sub(r"\\f[BIR]|\\&|\\:", "", page)
     return text.replace("\\-", "-").replace("\\e", "\\")
 
 

@@ -31,6 +31,14 @@ std::string roff(const std::string& text) {
 std::string bold(const std::string& text) { return "\\fB" + roff(text) + "\\fR"; }
 std::string italic(const std::string& text) { return text.empty() ? "" : "\\fI" + roff(text) + "\\fR"; }
 
+// A placeholder, whose list of words may break after each comma.
+std::string value_text(const CLI::Option& option) {
+  std::string text = italic(placeholder(option));
+  for (std::size_t at = text.find(','); at != std::string::npos; at = text.find(',', at + 1))
+    text.insert(at + 1, "\\:");
+  return text;
+}
+
 std::string upper(std::string text) {
   std::ranges::transform(text, text.begin(),
                          [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
@@ -120,16 +128,16 @@ std::string synopsis(const Command& command) {
 
 std::string options_text(const CLI::App& app) {
   std::string text;
-  for (const CLI::Option* option : positionals(app))
-    text += ".TP\n" + italic(option->get_name(true)) +
-            (placeholder(*option).empty() ? "" : " " + roff(placeholder(*option))) + "\n" +
-            description_of(*option) + "\n";
+  for (const CLI::Option* option : positionals(app)) {
+    const std::string value = value_text(*option);
+    text += fmt::format(".TP\n{}{}\n{}\n", italic(option->get_name(true)), value.empty() ? "" : " " + value,
+                        description_of(*option));
+  }
   for (const CLI::Option* option : options(app)) {
     std::vector<std::string> names;
     for (const std::string& name : option_names(*option)) names.push_back(bold(name));
-    std::string value = placeholder(*option);
-    if (!value.empty())
-      value = (option->get_expected_min() == 0 ? " [" + italic(value) + "]" : " " + italic(value));
+    std::string value = value_text(*option);
+    if (!value.empty()) value = option->get_expected_min() == 0 ? " [" + value + "]" : " " + value;
     text += fmt::format(".TP\n{}{}\n{}\n", fmt::join(names, ", "), value, description_of(*option));
   }
   return text;
