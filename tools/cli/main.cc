@@ -10,7 +10,7 @@
 namespace {
 
 constexpr const char* kFooter = R"(Begin with
-  koboshi run walk
+  koboshi run scenarios/walk.yaml
 and look into runs/walk. Each command has a --help of its own; docs/guide/ shows how to use them.
 
 Exit status: 0 done; 1 a run or a check failed, or runs differ; 2 bad input, or a file cannot be written
