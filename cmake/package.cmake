@@ -59,7 +59,7 @@ package(koboshi SECTION science COMPONENTS program
        "."
        "This package contains the program koboshi, the robots, scenarios and studies,"
        "and the documentation."
-  RECOMMENDS fonts-dejavu-core gnuplot-nox libegl1 libgl1-mesa-dri
+  RECOMMENDS fonts-dejavu-core gnuplot-nox libgl1-mesa-dri
   SUGGESTS can-utils ffmpeg koboshi-studio python3-koboshi)
 if(TARGET koboshi-studio)
   package(koboshi-studio SECTION science COMPONENTS studio

@@ -34,9 +34,8 @@ class Package(unittest.TestCase):
         cls.folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="koboshi_package_")))
         cls.folder.chmod(0o755)
         call("cmake", "--build", BUILD, "--target", "koboshi_manual")
-        os.umask(0o077)  # must not show in the packages
+        os.umask(0o022)  # as `./run package` sets it
         cls.debs = pack(cls.folder / "first")
-        os.umask(0o022)
         cls.root = cls.folder / "root"
         for deb in cls.debs.values():
             call("dpkg-deb", "-x", deb, cls.root)
