@@ -1,4 +1,5 @@
-# Uses ccache and mold if they are installed. Neither changes the build results.
+# Uses ccache and mold if they are installed. Neither changes what the programs do. Packages are linked by the compiler's own
+# linker, so that their bytes do not depend on mold.
 
 find_program(KOBOSHI_CCACHE ccache)
 if(KOBOSHI_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER AND NOT CMAKE_CXX_CLANG_TIDY AND NOT CMAKE_CROSSCOMPILING)
@@ -8,6 +9,6 @@ if(KOBOSHI_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER AND NOT CMAKE_CXX_CLANG_TI
 endif()
 
 find_program(KOBOSHI_MOLD mold)
-if(KOBOSHI_MOLD AND NOT CMAKE_CROSSCOMPILING AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+if(KOBOSHI_MOLD AND NOT KOBOSHI_PACKAGE AND NOT CMAKE_CROSSCOMPILING AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   add_link_options(-fuse-ld=mold)
 endif()

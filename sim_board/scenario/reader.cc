@@ -19,11 +19,11 @@ namespace fs = std::filesystem;
 
 constexpr double kMaxRun_s = 86400.0;
 
-std::vector<MotionChoice> read_motions(const YamlMap& root, const fs::path& folder) {
+std::vector<MotionChoice> read_motions(const YamlMap& root, const fs::path& folder, const fs::path& robot) {
   std::vector<MotionChoice> motions;
   if (!root.has("motions")) return motions;
   for (const YamlValue& value : root.list("motions")) {
-    const MotionChoice motion{.file = read_path(value, folder)};
+    const MotionChoice motion{.file = read_motion_path(value, folder, robot)};
     if (std::ranges::find(motions, motion.name(), &MotionChoice::name) != motions.end()) {
       throw value.error("a second motion named " + motion.name(), "motions of different names");
     }
@@ -183,9 +183,9 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   scenario.file = file;
   scenario.document = yaml.tree();
   root.require_version(1);
-  scenario.robot = read_path(root.value("robot"), folder);
+  scenario.robot = read_input(root.value("robot"), folder, InputKind::kRobot);
   scenario.robot_parameters = read_robot_parameters(scenario.robot);
-  scenario.motions = read_motions(root, folder);
+  scenario.motions = read_motions(root, folder, scenario.robot);
   scenario.gait = read_gait(root, folder);
   scenario.duration_us = to_us(root.number("duration_s", {.min = 0.01, .max = kMaxRun_s}));
   scenario.seed = static_cast<std::uint64_t>(root.integer("seed", {.min = 0}, 1));

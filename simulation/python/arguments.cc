@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "sim_board/scenario/paths.h"
 #include "sim_board/scenario/reader.h"
 #include "simulation/scenario/operator_input.h"
 
@@ -30,7 +31,7 @@ sim::Scenario read(const std::filesystem::path& file, const std::optional<std::u
   for (const auto& [path, value] : set) overrides.push_back({py::str(path), yaml_of(value), "set"});
   if (seed) overrides.push_back({"seed", std::to_string(*seed), "seed"});
   if (stepper) overrides.push_back({"physics.stepper", *stepper, "stepper"});
-  return sim::read_scenario(file, overrides);
+  return sim::read_scenario(sim::find_input(sim::InputKind::kScenario, file), overrides);
 }
 
 void give_command(Simulation& simulation, const std::string& verb, const py::object& value,

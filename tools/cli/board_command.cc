@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sim_board/scenario/paths.h"
 #include "sim_board/scenario/reader.h"
 #include "simulation/scenario/bare_board.h"
 #include "tools/cli/options.h"
@@ -30,7 +31,8 @@ void play_board(const BoardArguments& arguments) {
   LiveOptions live_options = arguments.live;
   const auto view = open_view(arguments.view, live_options);
   LiveLink live(live_options, warn);
-  simulation::BareBoard bare(sim::read_scenario(arguments.scenario, overrides));
+  simulation::BareBoard bare(
+      sim::read_scenario(sim::find_input(sim::InputKind::kScenario, arguments.scenario), overrides));
   sim::SimBoard& board = bare.board();
   std::optional<view::RunRecording> recording;
   if (view) {
@@ -77,8 +79,9 @@ Examples:
   koboshi board --can udp:239.74.163.2:43113 --duration 60
   koboshi board --can socketcan:vcan0 --view
 )");
-  command->add_option("SCENARIO", arguments->scenario,
-                      "A scenario without commands, motions and gait (default: scenarios/board.yaml)");
+  command->add_option(
+      "SCENARIO", arguments->scenario,
+      "File or name of a scenario without commands, motions and gait (default: scenarios/board.yaml)");
   command->add_option("--duration", arguments->duration, "Simulated seconds");
   command->add_option("--set", arguments->sets, "Override a key of the scenario; may be repeated")
       ->allow_extra_args(false);

@@ -9,6 +9,7 @@
 
 #include "sim_board/record/output_file.h"
 #include "sim_board/robot/load.h"
+#include "sim_board/scenario/paths.h"
 #include "sim_board/scenario/reader.h"
 #include "simulation/scenario/parameters.h"
 #include "tools/dictionary/files.h"
@@ -23,8 +24,9 @@ struct DictionaryArguments {
 };
 
 std::vector<GeneratedFile> files(const DictionaryArguments& arguments) {
-  return dictionary_files(sim::load_robot(arguments.robot),
-                          simulation::controller_values(sim::read_robot_parameters(arguments.robot)));
+  const auto robot = sim::find_input(sim::InputKind::kRobot, arguments.robot);
+  return dictionary_files(sim::load_robot(robot),
+                          simulation::controller_values(sim::read_robot_parameters(robot)));
 }
 
 void print_file(const DictionaryArguments& arguments, const std::string& name) {
@@ -54,7 +56,7 @@ A test fails while docs/reference/ is out of date.
 )");
   command
       ->add_option("--robot", arguments->robot,
-                   "The robot's file: names of its nodes, resolutions of its sensors")
+                   "The robot's file or name: names of its nodes, resolutions of its sensors")
       ->capture_default_str();
 
   CLI::App* eds =

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sim_board/board/sim_board.h"
+#include "sim_board/scenario/paths.h"
 #include "sim_board/scenario/reader.h"
 #include "simulation/host/firmware_process.h"
 #include "simulation/scenario/prepared_scenario.h"
@@ -28,7 +29,8 @@ struct FirmwareArguments {
 };
 
 void run_firmware(const FirmwareArguments& arguments) {
-  const simulation::PreparedScenario prepared = simulation::prepare(sim::read_scenario(arguments.scenario));
+  const simulation::PreparedScenario prepared =
+      simulation::prepare(sim::read_scenario(sim::find_input(sim::InputKind::kScenario, arguments.scenario)));
   const auto transport = open_can(arguments.can);
   Interrupt interrupt;
   simulation::FirmwareProcess firmware(prepared.storage_contents, *transport, arguments.storage);
@@ -69,7 +71,8 @@ Examples:
 )");
   command
       ->add_option("SCENARIO", arguments->scenario,
-                   "Scenario whose robot and motions go into the storage; its other keys have no effect")
+                   "File or name of the scenario whose robot and motions go into the storage; its other keys "
+                   "have no effect")
       ->required();
   command->add_option("--duration", arguments->duration_s, "Seconds (default: until Ctrl-C)")
       ->check(CLI::Range(0.001, 86400.0));

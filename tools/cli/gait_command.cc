@@ -9,6 +9,7 @@
 
 #include "sim_board/record/output_file.h"
 #include "sim_board/robot/load.h"
+#include "sim_board/scenario/paths.h"
 #include "simulation/gait/gait_motion.h"
 #include "simulation/motion/compile.h"
 #include "tools/cli/options.h"
@@ -28,9 +29,11 @@ struct GaitArguments {
 
 void make_gait(const GaitArguments& arguments) {
   const auto overrides = overrides_of(arguments.sets, {{"points", arguments.points, "--points"}});
-  const sim::RobotDescription robot = sim::load_robot(arguments.robot);
+  const sim::RobotDescription robot =
+      sim::load_robot(sim::find_input(sim::InputKind::kRobot, arguments.robot));
   const simulation::NamedModel model = simulation::load_named_model(robot);
-  const simulation::Gait gait = simulation::read_gait(arguments.gait, overrides);
+  const simulation::Gait gait =
+      simulation::read_gait(sim::find_input(sim::InputKind::kGait, arguments.gait), overrides);
   const simulation::MotionSource motion = simulation::make_gait_motion(gait, robot, model);
   static_cast<void>(simulation::compile_motion(motion, model));  // throws where the firmware would refuse it
 
@@ -60,8 +63,11 @@ Examples:
   koboshi gait robots/koboshi/gait.yaml
   koboshi gait robots/koboshi/gait.yaml --points 4 --set step_length_m=0.03 --out walk_4
 )");
-  command->add_option("GAIT", arguments->gait, "A gait file, docs/reference/gait-format.md")->required();
-  command->add_option("--robot", arguments->robot, "The robot's file")->capture_default_str();
+  command
+      ->add_option("GAIT", arguments->gait,
+                   "A gait file, or the name of a robot for its gait, docs/reference/gait-format.md")
+      ->required();
+  command->add_option("--robot", arguments->robot, "The robot's file or name")->capture_default_str();
   command->add_option("--points", arguments->points,
                       "Points per cycle of two steps (default: the gait file's)");
   command->add_option("--set", arguments->sets, "Override a key of the gait: period_s=0.6; may be repeated")

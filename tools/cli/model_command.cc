@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include "sim_board/record/output_file.h"
+#include "sim_board/scenario/paths.h"
 #include "tools/cli/commands.h"
 #include "tools/robot/check/model_check.h"
 #include "tools/robot/reference/reference.h"
@@ -69,10 +70,10 @@ error.
 Example:
   koboshi model check robots/koboshi/robot.sdf
 )");
-  check->add_option("ROBOT", arguments->robot, "The robot's file")->required();
+  check->add_option("ROBOT", arguments->robot, "The robot's file or name")->required();
   check->add_flag("--json", arguments->json, "Print a JSON object");
   check->callback([arguments, &invocation] {
-    const ModelReport report = check_model(arguments->robot);
+    const ModelReport report = check_model(sim::find_input(sim::InputKind::kRobot, arguments->robot));
     fmt::print("{}", arguments->json ? model_report_json(report) : model_report_text(report));
     if (report.has_errors()) invocation.exit_status = 1;
   });

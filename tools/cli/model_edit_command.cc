@@ -10,6 +10,7 @@
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 #include "sim_board/record/standard_streams.h"
+#include "sim_board/scenario/paths.h"
 #include "tools/cli/commands.h"
 #include "tools/edit/unified_diff.h"
 #include "tools/robot/edit/field_value.h"
@@ -25,6 +26,10 @@ struct ModelEditArguments {
   bool both_sides = false;
   bool dry_run = false;
 };
+
+void find_robot(ModelEditArguments& arguments) {
+  arguments.robot = sim::find_input(sim::InputKind::kRobot, arguments.robot);
+}
 
 ModelSetting setting_of(const std::filesystem::path& file, const std::string& word) {
   const std::size_t equals = word.find('=');
@@ -111,12 +116,15 @@ Examples:
   koboshi model set robots/koboshi/robot.sdf left_knee.upper="140 deg" --mirror --dry-run
   koboshi model set robots/koboshi/robot.sdf head.helmet.zoom="0.001 0.001 0.0012" --dry-run
 )");
-  set->add_option("ROBOT", arguments->robot, "The robot's file")->required();
+  set->add_option("ROBOT", arguments->robot, "The robot's file or name")->required();
   set->add_option("PATH=VALUE", arguments->words, "Values to set")->required();
   set->add_flag("--mirror", arguments->both_sides, "Also set the mirror image on the other side");
   set->add_flag("--dry-run", arguments->dry_run, "Print the difference and write nothing");
   set->add_option("-o", arguments->out, "Write the result to this file")->type_name("FILE");
-  set->callback([arguments] { set_model(*arguments); });
+  set->callback([arguments] {
+    find_robot(*arguments);
+    set_model(*arguments);
+  });
 
   CLI::App* get = model.add_subcommand("get", "Print values of a robot's file");
   get->footer(
@@ -127,9 +135,12 @@ Examples:
   koboshi model get robots/koboshi/robot.sdf left_shank.mass left_foot.friction
   koboshi model get robots/koboshi/robot.sdf left_knee
 )");
-  get->add_option("ROBOT", arguments->robot, "The robot's file")->required();
+  get->add_option("ROBOT", arguments->robot, "The robot's file or name")->required();
   get->add_option("PATH", arguments->words, "Values, or names of elements");
-  get->callback([arguments] { get_model(*arguments); });
+  get->callback([arguments] {
+    find_robot(*arguments);
+    get_model(*arguments);
+  });
 }
 
 }  // namespace koboshi::tools

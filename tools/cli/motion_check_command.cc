@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include "sim_board/scenario/paths.h"
 #include "tools/cli/commands.h"
 #include "tools/motion/check/check.h"
 #include "tools/motion/check/text.h"
@@ -19,9 +20,10 @@ struct MotionCheckArguments {
 };
 
 void check_motions(const MotionCheckArguments& arguments, Invocation& invocation) {
-  MotionChecker checker(arguments.robot);
-  for (const std::filesystem::path& file : arguments.motions) {
-    const MotionReport report = checker.check(file);
+  const auto robot = sim::find_input(sim::InputKind::kRobot, arguments.robot);
+  MotionChecker checker(robot);
+  for (const std::filesystem::path& motion : arguments.motions) {
+    const MotionReport report = checker.check(sim::find_motion(motion, robot));
     const std::string text =
         arguments.json ? report_json(report, checker) : report_text(report, checker, arguments.steps);
     fmt::print("{}", text);
@@ -43,9 +45,10 @@ Examples:
   koboshi motion check robots/koboshi/motions/squat.yaml
   koboshi motion check robots/koboshi/motions/wave.yaml --steps
 )");
-  command->add_option("MOTION", arguments->motions, "Motion files, docs/reference/motion-language.md")
+  command
+      ->add_option("MOTION", arguments->motions, "Motions' files or names, docs/reference/motion-language.md")
       ->required();
-  command->add_option("--robot", arguments->robot, "The robot's file")->capture_default_str();
+  command->add_option("--robot", arguments->robot, "The robot's file or name")->capture_default_str();
   CLI::Option* steps = command->add_flag("--steps", arguments->steps, "Also print a line for each step");
   command->add_flag("--json", arguments->json, "Print a JSON object for each motion")->excludes(steps);
   command->callback([arguments, &invocation] { check_motions(*arguments, invocation); });

@@ -49,6 +49,11 @@ struct MotionArguments {
   const std::filesystem::path& motion() const { return motions.front(); }
 };
 
+void find_inputs(MotionArguments& arguments) {
+  arguments.robot = sim::find_input(sim::InputKind::kRobot, arguments.robot);
+  for (std::filesystem::path& motion : arguments.motions) motion = sim::find_motion(motion, arguments.robot);
+}
+
 NamedModel load(const MotionArguments& arguments) {
   return simulation::load_named_model(sim::load_robot(arguments.robot));
 }
@@ -191,14 +196,17 @@ int list(const MotionArguments& arguments) {
 template <typename Command>
 void set_callback(CLI::App& app, Invocation& invocation, const std::shared_ptr<MotionArguments>& arguments,
                   Command command) {
-  app.callback([&invocation, arguments, command] { invocation.exit_status = command(*arguments); });
+  app.callback([&invocation, arguments, command] {
+    find_inputs(*arguments);
+    invocation.exit_status = command(*arguments);
+  });
 }
 
 CLI::App& add_command(CLI::App& parent, const std::string& name, const std::string& help,
                       const std::string& example, MotionArguments& arguments) {
   CLI::App* command = parent.add_subcommand(name, help);
   command->footer("Example:\n  koboshi motion " + example + "\n");
-  command->add_option("--robot", arguments.robot, "The robot's file")->capture_default_str();
+  command->add_option("--robot", arguments.robot, "The robot's file or name")->capture_default_str();
   return *command;
 }
 
@@ -211,7 +219,7 @@ void add_out(CLI::App& command, MotionArguments& arguments, const std::string& h
   command.add_option("-o,--out", arguments.out, help)->type_name("FILE");
 }
 
-constexpr const char* kMotionHelp = "A motion file, docs/reference/motion-language.md";
+constexpr const char* kMotionHelp = "A motion's file or name, docs/reference/motion-language.md";
 
 void add_compile(CLI::App& parent, Invocation& invocation) {
   auto arguments = std::make_shared<MotionArguments>();

@@ -18,6 +18,7 @@
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 #include "sim_board/robot/load.h"
+#include "sim_board/scenario/paths.h"
 #include "simulation/model/robot_model.h"
 #include "simulation/motion/compile.h"
 #include "tools/can/frame_text.h"
@@ -51,7 +52,13 @@ std::vector<std::byte> image_of(const RobotMotionArguments& arguments, const sim
   return {data.begin(), data.end()};
 }
 
-void upload(const RobotMotionArguments& arguments) {
+void find_inputs(RobotMotionArguments& arguments) {
+  arguments.robot = sim::find_input(sim::InputKind::kRobot, arguments.robot);
+  arguments.motion = sim::find_motion(arguments.motion, arguments.robot);
+}
+
+void upload(RobotMotionArguments& arguments) {
+  find_inputs(arguments);
   const simulation::NamedModel robot = simulation::load_named_model(sim::load_robot(arguments.robot));
   const std::vector<std::byte> image = image_of(arguments, robot);
   motion::Motion motion;
@@ -79,7 +86,8 @@ void download(const RobotMotionArguments& arguments) {
 
 // Plays a motion file in scenarios/motion.yaml, once the robot stands there. The scenario that is played is
 // the file with this motion, so that its record is complete.
-int play_in_simulation(const RobotMotionArguments& arguments) {
+int play_in_simulation(RobotMotionArguments& arguments) {
+  find_inputs(arguments);
   const MotionReport checked = MotionChecker(arguments.robot).check(arguments.motion);
   RunArguments run = arguments.run;
   if (run.out.empty()) run.out = std::filesystem::path("runs") / arguments.motion.stem();
@@ -122,8 +130,9 @@ void add_motion_robot_commands(CLI::App& motion, Invocation& invocation) {
 
   CLI::App* upload_command =
       add(motion, "upload", "Store a motion in the robot on the bus, and read it back", arguments);
-  upload_command->add_option("MOTION", arguments->motion, "A motion file, or an image (.kmot)")->required();
-  upload_command->add_option("--robot", arguments->robot, "The robot's file")->capture_default_str();
+  upload_command->add_option("MOTION", arguments->motion, "A motion's file or name, or an image (.kmot)")
+      ->required();
+  upload_command->add_option("--robot", arguments->robot, "The robot's file or name")->capture_default_str();
   upload_command
       ->add_option("--number", arguments->number,
                    "The number of the motion, 0 to 199 (default: that of the robot's motion with the "
@@ -153,7 +162,7 @@ Examples:
 )");
   play_command->add_option("MOTION", arguments->which, "A motion file; or a number or name on the robot")
       ->required();
-  play_command->add_option("--robot", arguments->robot, "The robot's file")->capture_default_str();
+  play_command->add_option("--robot", arguments->robot, "The robot's file or name")->capture_default_str();
   add_run_options(*play_command, arguments->run);
   play_command->callback([arguments, &invocation] { invocation.exit_status = play(*arguments); });
 }

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "sim_board/input/foreign_text.h"
+#include "sim_board/scenario/paths.h"
 #include "tools/cli/commands.h"
 #include "tools/motion/check/check.h"
 #include "tools/motion/view/plot.h"
@@ -23,19 +24,27 @@ struct MotionViewArguments {
 };
 
 void add_common_options(CLI::App& command, MotionViewArguments& arguments) {
-  command.add_option("MOTION", arguments.motion, "A motion file, docs/reference/motion-language.md")
+  command
+      .add_option("MOTION", arguments.motion, "A motion's file or name, docs/reference/motion-language.md")
       ->required();
-  command.add_option("--robot", arguments.robot, "The robot's file")->capture_default_str();
+  command.add_option("--robot", arguments.robot, "The robot's file or name")->capture_default_str();
   command.add_option("-o,--out", arguments.out, "The file to write")->required()->type_name("FILE");
 }
 
-void plot(const MotionViewArguments& arguments) {
+void find_inputs(MotionViewArguments& arguments) {
+  arguments.robot = sim::find_input(sim::InputKind::kRobot, arguments.robot);
+  arguments.motion = sim::find_motion(arguments.motion, arguments.robot);
+}
+
+void plot(MotionViewArguments& arguments) {
+  find_inputs(arguments);
   MotionChecker checker(arguments.robot);
   plot_motion(checker.check(arguments.motion), checker, arguments.out);
   fmt::print("{}\n", arguments.out.string());
 }
 
 void preview(MotionViewArguments& arguments) {
+  find_inputs(arguments);
   MotionChecker checker(arguments.robot);
   const MotionReport report = checker.check(arguments.motion);
   view::FilmOptions& film = arguments.film;

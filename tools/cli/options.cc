@@ -29,7 +29,7 @@ const std::map<std::string, sim::CandumpReader::Times> kTimes{
 
 Network network_of(const std::filesystem::path& robot) {
   const std::filesystem::path file =
-      robot.empty() ? sim::find_referenced(std::filesystem::current_path(), kRobot) : robot;
+      robot.empty() ? sim::find_referenced({}, kRobot) : sim::find_input(sim::InputKind::kRobot, robot);
   return file.empty() ? Network{} : make_network(sim::load_robot(file));
 }
 

@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "sim_board/scenario/paths.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/run_and_report.h"
@@ -31,12 +32,14 @@ In real time, Ctrl-C and SIGTERM are the normal end, with all results and status
 with status 130 or 143.
 
 Examples:
-  koboshi run scenarios/walk.yaml
+  koboshi run walk
   koboshi run scenarios/walk.yaml --seed 7 --set ground.friction=0.4 --out runs/slippery
   koboshi run scenarios/teleop.yaml --realtime
   koboshi run scenarios/teleop.yaml --realtime --view
 )");
-  command->add_option("SCENARIO", arguments->scenario, "A scenario file, docs/reference/scenario-format.md")
+  command
+      ->add_option("SCENARIO", arguments->scenario,
+                   "A scenario's file or name, docs/reference/scenario-format.md")
       ->required();
   add_run_options(*command, arguments->run);
   command->add_option("--duration", arguments->run.duration, "Simulated seconds");
@@ -50,8 +53,9 @@ Examples:
                       "File that keeps the flash between runs: saved parameters and motions (default: none)");
   add_live_options(*command, arguments->run.live);
   command->callback([arguments, &invocation] {
-    invocation.exit_status = run_and_report(
-        arguments->run, sim::read_scenario(arguments->scenario, scenario_overrides(arguments->run)));
+    const auto file = sim::find_input(sim::InputKind::kScenario, arguments->scenario);
+    invocation.exit_status =
+        run_and_report(arguments->run, sim::read_scenario(file, scenario_overrides(arguments->run)));
   });
 }
 

@@ -12,6 +12,7 @@
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/robot/servo_types.h"
+#include "sim_board/scenario/paths.h"
 #include "tools/servo/datasheet.h"
 #include "tools/servo/servo_figures.h"
 
@@ -51,7 +52,8 @@ sim::ServoTypes asked_types(const PlotArguments& arguments) {
   return {*asked};
 }
 
-void plot(const PlotArguments& arguments) {
+void plot(PlotArguments& arguments) {
+  arguments.file = sim::find_input(sim::InputKind::kRobot, arguments.file);
   const sim::ServoTypes types = asked_types(arguments);
   if (std::filesystem::exists(arguments.out) && !std::filesystem::is_directory(arguments.out))
     throw sim::InputError(arguments.out, 0, "a file", "a folder, or nothing yet");
@@ -74,7 +76,7 @@ Examples:
   koboshi servo plot robots/servos/bam.xml --type mx_64_m6 --out mx_64)");
   command
       ->add_option("FILE", arguments->file,
-                   "A robot's file, or a library of servo types, docs/reference/servo.md")
+                   "A robot's file or name, or a library of servo types, docs/reference/servo.md")
       ->required();
   command->add_option("--type", arguments->type, "Plot only this type");
   command->add_option("-o,--out", arguments->out, "Folder of the figures, with a folder for each type")

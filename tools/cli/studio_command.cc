@@ -22,9 +22,8 @@ int start_studio(std::vector<std::string> arguments) {
       std::filesystem::read_symlink("/proc/self/exe").parent_path() / "koboshi-studio";
   if (!std::filesystem::exists(studio)) {
     sim::print_error(
-        "koboshi studio: this build has no window because Qt 6 was missing; `./run studio` installs "
-        "it and builds, "
-        "and `koboshi replay RUN --html` writes replay.html for a browser\n");
+        "koboshi studio: there is no koboshi-studio beside this program: install the package koboshi-studio, "
+        "or build it with `./run studio`; `koboshi replay RUN --html` writes replay.html for a browser\n");
     return kMissing;
   }
   arguments.insert(arguments.begin(), studio.string());

@@ -7,6 +7,7 @@
 
 #include "sim_board/record/output_file.h"
 #include "sim_board/record/summary.h"
+#include "sim_board/scenario/paths.h"
 #include "sim_board/scenario/reader.h"
 #include "simulation/host/qemu_host.h"
 #include "tools/target/target_report.h"
@@ -23,7 +24,8 @@ struct TargetReportArguments {
 
 void report_target(const TargetReportArguments& arguments) {
   const auto image = arguments.image.empty() ? simulation::default_image() : arguments.image;
-  const TargetReport report = measure_target(sim::read_scenario(arguments.scenario), image);
+  const TargetReport report = measure_target(
+      sim::read_scenario(sim::find_input(sim::InputKind::kScenario, arguments.scenario)), image);
   if (!arguments.page.empty()) sim::write_whole_file(arguments.page, to_page(report, arguments.scenario));
   if (!arguments.json.empty()) sim::write_json(arguments.json, to_json(report));
   fmt::print("{}\n", to_tables(report));
@@ -43,7 +45,7 @@ Examples:
   koboshi target-report
   koboshi target-report --page docs/reference/target.md
 )");
-  command->add_option("SCENARIO", arguments->scenario, "A scenario file")->capture_default_str();
+  command->add_option("SCENARIO", arguments->scenario, "A scenario's file or name")->capture_default_str();
   command->add_option("--image", arguments->image, "The image (default: the one that ./run target builds)");
   command->add_option("--json", arguments->json, "Also write the results to this file");
   command->add_option("--page", arguments->page, "Also write the reference page to this file");

@@ -5,6 +5,7 @@
 
 #include "sim_board/input/text.h"
 #include "sim_board/input/user_units.h"
+#include "sim_board/scenario/paths.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/lab/experiment/files.h"
 #include "tools/lab/trial/perturbation.h"
@@ -59,8 +60,8 @@ sim::Scenario gyro_feedback_scenario(const GyroFeedbackOptions& options, int poi
   overrides.push_back({"gait.points", std::to_string(points)});
   overrides.push_back({"gait.feedback", feedback ? "true" : "false"});
   if (!options.gaits.empty()) {
-    const auto file =
-        std::filesystem::absolute(options.gaits / (gyro_feedback_cell(points, feedback) + ".yaml"));
+    const auto file = std::filesystem::absolute(sim::find_path(options.gaits) /
+                                                (gyro_feedback_cell(points, feedback) + ".yaml"));
     overrides.push_back({"gait.file", "\"" + file.string() + "\""});
   }
   return sim::read_scenario(options.scenario, overrides);

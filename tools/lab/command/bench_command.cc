@@ -4,11 +4,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "sim_board/record/summary.h"
+#include "sim_board/scenario/paths.h"
 #include "tools/lab/bench/bench.h"
 #include "tools/lab/bench/report.h"
 #include "tools/lab/command/session.h"
@@ -32,6 +34,8 @@ std::vector<BenchStepper> chosen(const std::vector<std::string>& names) {
 }
 
 void play_bench(BenchArguments arguments) {
+  for (std::filesystem::path* scenario : {&arguments.options.walk, &arguments.options.squat})
+    *scenario = sim::find_input(sim::InputKind::kScenario, *scenario);
   arguments.options.steppers = chosen(arguments.names);
   arguments.options.reference_step_s = 1e-3 * arguments.reference_step_ms;
   const std::vector<BenchResult> results = bench(

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "sim_board/record/standard_streams.h"
+#include "sim_board/scenario/paths.h"
 #include "tools/cli/commands.h"
 #include "tools/lab/catalogue/contacts.h"
 #include "tools/lab/catalogue/fall_detection.h"
@@ -51,11 +52,13 @@ void add(CLI::App& parent, Invocation& invocation, Entry<Options> given) {
   command->footer(fmt::format("{}{}\nExample{}:\n  koboshi experiment {}\n", entry.footer, entry.worlds,
                               entry.examples.size() > 1 ? "s" : "",
                               fmt::join(entry.examples, "\n  koboshi experiment ")));
-  command->add_option("SCENARIO", entry.options.scenario, "A scenario that walks")->capture_default_str();
+  command->add_option("SCENARIO", entry.options.scenario, "File or name of a scenario that walks")
+      ->capture_default_str();
   add_session_options(*command, entry.options, arguments->session);
   if (entry.add_options) entry.add_options(*command, entry.options, arguments->session);
   command->callback([arguments, &invocation] {
     Options& options = arguments->entry.options;
+    options.scenario = sim::find_input(sim::InputKind::kScenario, options.scenario);
     options.overrides = overrides_of(arguments->session);
     const auto draw = arguments->entry.draw_figures;
     const DrawFigures draw_figures = [&](const SessionOptions& session) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sim_board/record/output_file.h"
+#include "sim_board/scenario/paths.h"
 #include "tools/cli/commands.h"
 #include "tools/lab/command/session.h"
 #include "tools/lab/command/tune_gait_command.h"
@@ -64,7 +65,7 @@ auto show_search(const std::string& label, const std::string& unit, const std::f
 }
 
 void tune(const TuneArguments& arguments) {
-  const Study study = read_study(arguments.study);
+  const Study study = read_study(sim::find_input(sim::InputKind::kStudy, arguments.study));
   StudyOptions options = arguments.options;
   options.method = arguments.search == "cma-es" ? Method::kCmaEs : Method::kNsga2;
   if (!arguments.stepper.empty())
@@ -76,6 +77,8 @@ void tune(const TuneArguments& arguments) {
 
 void tune_gait(const TuneGaitArguments& arguments) {
   GaitSearchOptions options = arguments.options;
+  options.experiment.scenario = sim::find_input(sim::InputKind::kScenario, options.experiment.scenario);
+  options.start = sim::find_input(sim::InputKind::kGait, options.start);
   options.experiment.points = {arguments.points};
   options.experiment.feedback = {arguments.feedback == "on"};
   options.experiment.overrides = overrides_of({.duration = arguments.duration, .stepper = arguments.stepper});
@@ -97,7 +100,7 @@ void add_tune_command(CLI::App& program, Invocation&) {
       "called again. docs/reference/study-format.md describes the file.\n\n"
       "Example:\n"
       "  koboshi tune studies/walk.yaml --stepper mujoco --evaluations 400\n");
-  command->add_option("STUDY", arguments->study, "The study's file")->required();
+  command->add_option("STUDY", arguments->study, "The study's file or name")->required();
   command
       ->add_option(
           "--search", arguments->search,
@@ -125,14 +128,17 @@ void add_tune_gait_command(CLI::App& experiment) {
       "lists every evaluation.\n\n"
       "Example:\n"
       "  koboshi experiment tune-gait --points 8 --feedback off --gait robots/koboshi/gaits/8-off.yaml\n");
-  command->add_option("SCENARIO", options.experiment.scenario, "A scenario that walks")
+  command->add_option("SCENARIO", options.experiment.scenario, "File or name of a scenario that walks")
       ->capture_default_str();
   add_number(*command, "--points", arguments->points, 2, 64, "Points of a cycle of two steps");
   command->add_option("--feedback", arguments->feedback, "off or on")
       ->check(CLI::IsMember({"off", "on"}))
       ->capture_default_str();
   add_disturbance_options(*command, options.experiment);
-  command->add_option("--start", options.start, "The gait file to begin with")->capture_default_str();
+  command
+      ->add_option("--start", options.start,
+                   "The gait file to begin with, or the name of a robot for its gait")
+      ->capture_default_str();
   command->add_option("--gait", arguments->result, "Also write the gait that was found to this file");
   add_search_options(*command, options, 24, arguments->stepper);
   command->add_option("--duration", arguments->duration, "Simulated seconds of a trial")

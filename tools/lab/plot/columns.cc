@@ -22,9 +22,9 @@ void add_row(Columns& columns, const std::vector<double>& row) {
   for (std::size_t i = 0; i < columns.size(); ++i) columns[i].second.push_back(row.at(i));
 }
 
-const std::vector<double>& values_of(const Columns& columns, const std::string& name) {
+const std::vector<double>& values_of(const Columns& columns, std::string_view name) {
   const auto found = std::ranges::find(columns, name, &Columns::value_type::first);
-  if (found == columns.end()) throw PlotError("no figure: the data have no column " + name);
+  if (found == columns.end()) throw PlotError("no figure: the data have no column " + std::string(name));
   return found->second;
 }
 

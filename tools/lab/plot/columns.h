@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,7 +18,7 @@ Columns make_columns(const std::vector<std::string>& names);
 // Appends a value to each column, in their order.
 void add_row(Columns& columns, const std::vector<double>& row);
 // The values of a column. Throws PlotError where there is none of this name.
-const std::vector<double>& values_of(const Columns& columns, const std::string& name);
+const std::vector<double>& values_of(const Columns& columns, std::string_view name);
 // Writes a header line and a line per row, with an empty cell for NaN. Numbers have this many significant
 // digits, or with 0 as few as read back the same. Throws sim::WriteError.
 void write_csv(const Columns& columns, const std::filesystem::path& file, int digits = 0);

@@ -64,7 +64,7 @@ Study read_study(const std::filesystem::path& file) {
   root.require_version(1);
   Study study;
   study.file = file;
-  study.scenario = sim::read_path(root.value("scenario"), file.parent_path());
+  study.scenario = sim::read_input(root.value("scenario"), file.parent_path(), sim::InputKind::kScenario);
   study.world = read_world(root);
   for (const auto& [path, value] : root.child("numbers").entries()) {
     study.numbers.push_back(read_number(path, value));

@@ -14,6 +14,7 @@
 #include "sim_board/record/output_file.h"
 #include "sim_board/record/output_folder.h"
 #include "sim_board/record/summary.h"
+#include "sim_board/scenario/paths.h"
 #include "sim_board/world/options.h"
 #include "tools/lab/experiment/files.h"
 #include "tools/lab/validate/report.h"
@@ -75,6 +76,7 @@ void write_page(const std::vector<ValidationResult>& results, const ValidateArgu
 int validate(ValidateArguments arguments, const std::string& command_line) {
   check_arguments(arguments);
   ValidationSetup& setup = arguments.setup;
+  setup.scenario = sim::find_input(sim::InputKind::kScenario, setup.scenario);
   setup.world.step_s = 1e-3 * arguments.step_ms;
   setup.world.stepper = sim::stepper_named(arguments.stepper).value();
   std::vector<ValidationResult> results;
@@ -130,7 +132,9 @@ Examples:
       ->check(CLI::IsMember(names));
   CLI::Option* brief =
       command->add_flag("--short", arguments->setup.short_form, "Shorter runs, and no figures");
-  command->add_option("--scenario", arguments->setup.scenario, "Scenario of the squats of the whole robot")
+  command
+      ->add_option("--scenario", arguments->setup.scenario,
+                   "File or name of the scenario of the squats of the whole robot")
       ->capture_default_str();
   command->add_option("--out", arguments->out, "Folder of the results")->capture_default_str();
   command->add_option("--page", arguments->page, "Update this Markdown page with the results")

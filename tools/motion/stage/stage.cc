@@ -20,7 +20,7 @@ constexpr double kRest_s = 2.0;
 
 sim::Scenario stage_scenario(const std::filesystem::path& motion, const MotionReport& checked,
                              std::vector<sim::Override> overrides) {
-  const auto stage = sim::repository_root(std::filesystem::current_path()) / "scenarios/motion.yaml";
+  const auto stage = sim::find_input(sim::InputKind::kScenario, "scenarios/motion.yaml");
   const sim::Scenario empty = sim::read_scenario(stage, overrides);
   const std::string name = motion.stem().string();
   nlohmann::json motions = nlohmann::json::array();

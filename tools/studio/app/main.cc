@@ -1,8 +1,10 @@
 #include <QApplication>
+#include <QIcon>
 #include <QSessionManager>
 #include <QTranslator>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstddef>
 #include <cstdlib>
 #include <filesystem>
@@ -10,9 +12,11 @@
 #include <string_view>
 #include <vector>
 
+#include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/record/standard_streams.h"
-#include "tools/cli/transport_options.h"
+#include "sim_board/scenario/paths.h"
+#include "tools/cli/studio_options.h"
 #include "tools/run/exit_status.h"
 #include "tools/studio/window/main_window.h"
 #include "tools/studio/window/termination.h"
@@ -39,34 +43,43 @@ void take_message(QtMsgType type, const QMessageLogContext& /*context*/, const Q
   std::_Exit(koboshi::tools::kBadInput);
 }
 
+// A name is a scenario's, or else that of a motion of the robot.
+std::filesystem::path find_document(const std::filesystem::path& given, const std::filesystem::path& robot) {
+  namespace sim = koboshi::sim;
+  const std::filesystem::path path = sim::find_path(given);
+  if (std::filesystem::exists(path)) return path;
+  std::vector<std::string> scenarios = sim::input_names(sim::InputKind::kScenario);
+  const std::vector<std::string> motions = sim::robot_motion_names(robot);
+  const auto is_in = [&given](const std::vector<std::string>& names) {
+    return std::ranges::find(names, given.stem().string()) != names.end();
+  };
+  if (!given.has_parent_path() && is_in(scenarios)) return sim::find_input(sim::InputKind::kScenario, given);
+  if (!given.has_parent_path() && is_in(motions)) return sim::find_motion(given, robot);
+  scenarios.insert(scenarios.end(), motions.begin(), motions.end());
+  throw sim::InputError(sim::one_line(given.string()), 0, "no such file, folder, scenario or motion",
+                        "a path, or a name: " + sim::expected_names(given.string(), scenarios));
+}
+
+// Throws InputError for a file that does not exist.
+void find_inputs(koboshi::tools::StudioArguments& arguments) {
+  namespace sim = koboshi::sim;
+  arguments.robot = sim::find_input(sim::InputKind::kRobot, arguments.robot);
+  if (arguments.robot_option->count() > 0 && !std::filesystem::is_regular_file(arguments.robot))
+    throw sim::InputError(arguments.robot, 0, "no such file", "a robot's file or name");
+  for (std::filesystem::path& file : arguments.files) file = find_document(file, arguments.robot);
+}
+
 int run_program(int argc, char** argv) {
-  CLI::App program("Koboshi Studio: run, watch and push the robot, and edit its motions.", "koboshi studio");
+  CLI::App program(koboshi::tools::kStudioDescription, "koboshi studio");
   program.set_version_flag("--version", "koboshi studio " KOBOSHI_VERSION);
-  std::vector<std::filesystem::path> files;
-  std::filesystem::path robot = "robots/koboshi/robot.sdf";
-  program.add_option("FILE", files, "Scenarios, motions, and folders or files of recorded runs to open")
-      ->type_name("")
-      ->check(CLI::ExistingPath.description(""));
-  auto* robot_option =
-      program
-          .add_option("--robot", robot,
-                      "The robot that is edited, and with which scenarios start instead of their own")
-          ->type_name("ROBOT")
-          ->capture_default_str()
-          ->check(CLI::ExistingFile.description(""));
-  std::string can;
-  koboshi::sim::TransportOptions transport;
-  auto* can_option =
-      program
-          .add_option("--can", can, "Follow a robot on a bus: socketcan:INTERFACE, udp:ADDRESS:PORT or slcan")
-          ->type_name("BUS");
-  for (CLI::Option* option : koboshi::tools::add_transport_options(program, transport))
-    option->needs(can_option);
+  koboshi::tools::StudioArguments arguments;
+  koboshi::tools::add_studio_options(program, arguments);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? 0 : koboshi::tools::kBadInput;
   }
+  find_inputs(arguments);
   if (!has_display()) {
     koboshi::sim::print_error(
         "koboshi studio: no display here; `koboshi replay RUN --html` writes replay.html, which shows "
@@ -77,14 +90,16 @@ int run_program(int argc, char** argv) {
   QApplication application(argc, argv);
   QApplication::setOrganizationName(QStringLiteral("Koboshi"));
   QApplication::setApplicationName(QStringLiteral("Koboshi Studio"));
+  QGuiApplication::setDesktopFileName(QStringLiteral("koboshi-studio"));
+  QApplication::setWindowIcon(QIcon::fromTheme(QStringLiteral("koboshi-studio")));
   QApplication::setApplicationVersion(QStringLiteral(KOBOSHI_VERSION));
   const auto translation = koboshi::studio::load_translation(
       QLocale(), QApplication::applicationDirPath() + QStringLiteral("/translations"));
   if (translation) QApplication::installTranslator(translation.get());
-  koboshi::studio::MainWindow window(robot);
-  if (robot_option->count() > 0) window.use_robot_in_scenarios();
-  for (const std::filesystem::path& file : files) window.open(file);
-  if (!can.empty()) window.attach(can, transport);
+  koboshi::studio::MainWindow window(arguments.robot);
+  if (arguments.robot_option->count() > 0) window.use_robot_in_scenarios();
+  for (const std::filesystem::path& file : arguments.files) window.open(file);
+  if (!arguments.can.empty()) window.attach(arguments.can, arguments.transport);
   // The desktop asks at the end of the session; a signal is no question.
   QObject::connect(&application, &QGuiApplication::commitDataRequest, &window,
                    [&window](QSessionManager& session) {
