@@ -12,7 +12,7 @@
 #include "firmware/app/sensor_nodes.h"
 #include "firmware/balance/feedback.h"
 #include "firmware/behaviour/behaviour.h"
-#include "firmware/canopen/node.h"
+#include "firmware/canopen/node/node.h"
 #include "firmware/drive/drive_group.h"
 #include "firmware/estimation/estimator.h"
 #include "firmware/motion/motion_library.h"

@@ -5,7 +5,7 @@
 #include "firmware/app/network_watch.h"
 #include "firmware/app/sensor_nodes.h"
 #include "firmware/behaviour/behaviour.h"
-#include "firmware/canopen/node.h"
+#include "firmware/canopen/node/node.h"
 #include "firmware/drive/drive_group.h"
 #include "hal/port/safety.h"
 

@@ -10,7 +10,7 @@
 #include "firmware/behaviour/command.h"
 #include "firmware/behaviour/parameters.h"
 #include "firmware/behaviour/state.h"
-#include "firmware/canopen/node.h"
+#include "firmware/canopen/node/node.h"
 #include "firmware/drive/fault.h"
 #include "firmware/drive/signals.h"
 #include "firmware/motion/motion_library.h"

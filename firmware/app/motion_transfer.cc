@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "firmware/canopen/stored_parameters.h"
+#include "firmware/canopen/node/stored_parameters.h"
 #include "firmware/motion/motion.h"
 #include "firmware/storage/image.h"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "firmware/behaviour/behaviour.h"
-#include "firmware/canopen/node.h"
+#include "firmware/canopen/node/node.h"
 #include "firmware/drive/drive_group.h"
 #include "hal/port/can.h"
 

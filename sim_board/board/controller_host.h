@@ -3,7 +3,7 @@
 #include "hal/lockstep/batch.h"
 #include "sim_board/state/archive.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Runs the firmware in this process or in a virtual machine. One exchange is one `service` call of the
 // firmware and, if the input requests it, the following `tick`.
@@ -19,4 +19,4 @@ class ControllerHost {
   virtual void archive(StateArchive& archive) = 0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

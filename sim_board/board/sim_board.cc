@@ -8,7 +8,7 @@
 #include "sim_board/drive/pc_sdo.h"
 #include "sim_board/engine/make_world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::size_t kOperatorFifo = 64;
@@ -264,4 +264,4 @@ void SimBoard::rejoin_controller() {
   }
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

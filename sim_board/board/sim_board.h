@@ -12,14 +12,14 @@
 #include "sim_board/can/babbler.h"
 #include "sim_board/can/bus.h"
 #include "sim_board/can/bus_faults.h"
+#include "sim_board/description/description.h"
 #include "sim_board/drive/drive.h"
-#include "sim_board/robot/description.h"
 #include "sim_board/sensor/ankle_sensor.h"
 #include "sim_board/sensor/imu.h"
 #include "sim_board/sensor/sensor_node.h"
 #include "sim_board/world/options.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 struct BoardOptions {
   WorldOptions world;
@@ -208,4 +208,4 @@ class SimBoard {
   bool controller_stopped_ = false;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

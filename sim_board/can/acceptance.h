@@ -7,7 +7,7 @@
 #include <initializer_list>
 #include <vector>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 inline constexpr std::size_t kIdentifiers = 2048;
 inline constexpr std::size_t kWordBits = 64;
@@ -84,4 +84,4 @@ class ReceiverTable {
   std::vector<std::array<std::uint64_t, kIdentifiers>> nodes_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -1,6 +1,6 @@
 #include "sim_board/can/babbler.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 Babbler::Babbler(Bus& bus, const Babble& babble)
     : bus_(bus),
@@ -25,4 +25,4 @@ void Babbler::advance(std::uint64_t end_us) {
     static_cast<void>(bus_.queue(handle_, babble_.frame, next_us_));
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,7 +5,7 @@
 
 #include "sim_board/can/bus.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Content and timing of a babbling node's traffic.
 struct Babble {
@@ -42,4 +42,4 @@ class Babbler final : private BusNode {
   std::uint64_t next_us_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

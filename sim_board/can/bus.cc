@@ -6,7 +6,7 @@
 
 #include "sim_board/can/frame_bits.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 std::uint32_t priority(const hal::CanFrame& frame) {
@@ -260,4 +260,4 @@ bool Bus::is_sender(std::size_t node) const {
   return std::ranges::any_of(senders_, [node](std::size_t sender) { return node_of(sender) == node; });
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -17,7 +17,7 @@
 #include "sim_board/can/transmit_queue.h"
 #include "sim_board/state/archive.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Statistics of the bus from its creation to `time_us`.
 struct BusUsage {
@@ -229,4 +229,4 @@ class Bus {
   BusDisturbance* disturbance_ = nullptr;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

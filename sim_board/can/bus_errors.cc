@@ -6,7 +6,7 @@
 #include "sim_board/can/bus.h"
 #include "sim_board/can/frame_bits.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr int kSuspendBits = 8;
@@ -173,4 +173,4 @@ void Bus::suspend_if_passive(Node& node) {
   if (node.errors.error_passive()) node.hold_until_us = idle_from_us_ + duration_us(kSuspendBits);
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -1,6 +1,6 @@
 #include "sim_board/can/bus_faults.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 using Effect = FrameFault::Effect;
 
@@ -43,4 +43,4 @@ bool BusFaults::hits(Rule& rule, const hal::CanFrame& frame, NodeHandle node, st
   return rule.hit;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

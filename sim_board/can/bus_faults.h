@@ -9,7 +9,7 @@
 #include "sim_board/can/disturbance.h"
 #include "sim_board/random/random_stream.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // A fault that affects some frames during an interval.
 struct FrameFault {
@@ -56,4 +56,4 @@ class BusFaults final : public BusDisturbance {
   std::map<NodeHandle, hal::CanFrame> doubled_;  // frame to repeat, by sender
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,7 +4,7 @@
 
 #include "sim_board/can/bus.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Recovers a simulated node from bus-off after a pause, so that a defective transceiver cannot fill the bus
 // with error frames. The pause equals the usual `ip link set can0 type can restart-ms` of Linux users.
@@ -27,4 +27,4 @@ class BusOffPause {
   std::uint64_t since_us_ = 0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

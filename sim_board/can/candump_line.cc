@@ -5,7 +5,7 @@
 #include <ctime>
 #include <span>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::string_view kNotationDigits = "0123456789ABCDEF";
@@ -271,4 +271,4 @@ LogLine parse_log_line(std::string_view whole) {
   return line;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

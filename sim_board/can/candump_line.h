@@ -7,7 +7,7 @@
 
 #include "sim_board/can/foreign_frame.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // The direction of a frame in the log of `candump -x`.
 enum class Direction : std::uint8_t { kUnknown, kReceived, kSent };
@@ -48,4 +48,4 @@ std::string frame_notation(const BusFrame& frame);
 // Parses the notation. Returns nothing for other text.
 std::optional<BusFrame> parse_frame_notation(std::string_view text);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -7,10 +7,10 @@
 #include <cstring>
 #include <utility>
 
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
+#include "base/text/error.h"
+#include "base/text/text.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::uint64_t kMicrosecondsPerSecond = 1'000'000;
@@ -217,4 +217,4 @@ int CandumpReader::line_of_differences(const std::string& first_interface) {
   return found;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -11,11 +11,11 @@
 #include <string_view>
 #include <vector>
 
+#include "base/text/foreign_text.h"
 #include "hal/port/can.h"
 #include "sim_board/can/candump_line.h"
-#include "sim_board/input/foreign_text.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // The log format of `candump -L`, which canplayer, log2asc, Wireshark and SavvyCAN read, with simulated time:
 //   (0000000012.345678) vcan0 210#0F00112233
@@ -89,4 +89,4 @@ class CandumpReader {
   std::uint64_t disordered_ = 0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

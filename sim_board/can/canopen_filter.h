@@ -2,11 +2,11 @@
 
 #include <cstdint>
 
-#include "firmware/canopen/device_services.h"
-#include "firmware/canopen/node.h"
+#include "firmware/canopen/node/device_services.h"
+#include "firmware/canopen/node/node.h"
 #include "sim_board/can/bus.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // The acceptance filter of a simulated CANopen device: its CAN controller passes on only the frames that the
 // device acts on. A device must not rely on hearing of impostors and of emergency messages of other nodes.
@@ -32,4 +32,4 @@ class CanopenFilter {
   std::uint32_t configuration_ = 0;  // of the node, for which the filter was set; 0: none yet
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

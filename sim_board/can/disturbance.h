@@ -5,7 +5,7 @@
 #include "hal/port/can.h"
 #include "sim_board/can/node.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Effect of a disturbance on a transmission.
 enum class WireEffect : std::uint8_t {
@@ -37,4 +37,4 @@ class BusDisturbance {
   ~BusDisturbance() = default;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

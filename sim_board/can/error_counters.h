@@ -4,7 +4,7 @@
 
 #include "hal/port/can.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Fault confinement of one CAN controller (ISO 11898-1, "Fault confinement"): transmit and receive error
 // counts and the state that follows from them.
@@ -51,4 +51,4 @@ class ErrorCounters {
   int receive_ = 0;   // 0..128
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -6,7 +6,7 @@
 
 #include "hal/port/can.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // A frame that a real bus may carry, but no CANopen node of CiA 301 sends: with a 29-bit identifier, in the
 // format of CAN FD or CAN XL, or an error frame, by which Linux reports an error of the bus.
@@ -39,4 +39,4 @@ using BusFrame = std::variant<hal::CanFrame, ForeignFrame>;
 // rates of CAN FD, or which is none on the bus.
 int frame_bits(const ForeignFrame& frame);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,7 +5,7 @@
 
 #include "sim_board/can/foreign_frame.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr int kHeaderBits = 19;  // SOF to DLC
@@ -160,4 +160,4 @@ int bits_to_difference(const hal::CanFrame& first, const hal::CanFrame& second) 
   return bits;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

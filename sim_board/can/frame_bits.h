@@ -4,7 +4,7 @@
 
 #include "hal/port/can.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Lengths of classic CAN frames with an 11-bit identifier (ISO 11898-1, "Frame formats" and "Frame coding").
 // SOF, identifier, RTR, IDE, r0, DLC, data and CRC sequence are stuffed: after five equal bits follows an
@@ -40,4 +40,4 @@ int frame_bits(const hal::CanFrame& frame);
 // bits. Precondition: the frames have the same identifier and RTR bit, and differ in size or data.
 int bits_to_difference(const hal::CanFrame& first, const hal::CanFrame& second);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,7 +4,7 @@
 
 #include "hal/port/can.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Identifies a node on its bus.
 enum class NodeHandle : std::uint16_t {};
@@ -18,4 +18,4 @@ class BusNode {
   ~BusNode() = default;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,7 +4,7 @@
 
 #include "hal/port/can.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Receives every valid frame on the bus, in the order of their ends and before any node. It is not a node: it
 // neither acknowledges nor sends.
@@ -17,4 +17,4 @@ class BusObserver {
   ~BusObserver() = default;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

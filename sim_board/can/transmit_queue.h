@@ -7,7 +7,7 @@
 
 #include "hal/port/can.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 struct QueuedFrame {
   hal::CanFrame frame;
@@ -42,4 +42,4 @@ class TransmitQueue {
   std::size_t size_ = 0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

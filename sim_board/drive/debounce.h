@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Whether a condition has held without a break for some time.
 class Debounce {
@@ -23,4 +23,4 @@ class Debounce {
   std::optional<std::uint64_t> since_us_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -9,7 +9,7 @@
 #include "firmware/canopen/emergency.h"
 #include "sim_board/drive/motion_limits.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using canopen::AbortCode;
@@ -266,4 +266,4 @@ void Drive::watch_servo() {
   if (servo_.encoder_broken() && state_.makes_torque()) state_.torque_off();
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "firmware/canopen/device_services.h"
-#include "firmware/canopen/node.h"
+#include "firmware/canopen/node/device_services.h"
+#include "firmware/canopen/node/node.h"
 #include "sim_board/can/bus.h"
 #include "sim_board/can/bus_off_pause.h"
 #include "sim_board/can/canopen_filter.h"
@@ -20,7 +20,7 @@
 #include "sim_board/servo/servo.h"
 #include "sim_board/storage/node_storage.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // A servo drive: a CANopen node after CiA 402, in cyclic synchronous position mode, profile position mode or
 // homing mode, around the hardware of one servo. It answers frames at the microsecond at which they reach it,
@@ -168,4 +168,4 @@ class Drive final : private BusNode,
   CanopenFilter filter_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,7 +5,7 @@
 #include "firmware/canopen/pdo.h"
 #include "sim_board/drive/drive_objects.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using canopen::mapping;
@@ -67,4 +67,4 @@ canopen::NodeDescription drive_node_description(const DriveDescription& drive) {
   };
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,11 +4,11 @@
 #include <limits>
 
 #include "firmware/canopen/cia402.h"
-#include "firmware/canopen/node.h"
+#include "firmware/canopen/node/node.h"
+#include "sim_board/description/description.h"
 #include "sim_board/drive/pc_sdo.h"
-#include "sim_board/robot/description.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // 0x6065 and 0x6067: nothing is watched.
 inline constexpr std::uint32_t kWindowOff = 0xFFFF'FFFF;
@@ -91,4 +91,4 @@ canopen::SdoChannel pc_channel(std::uint8_t node_id);
 // What all drives share but their identity, which stands in the robot file.
 canopen::NodeDescription drive_node_description(const DriveDescription& drive);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -8,7 +8,7 @@
 #include "sim_board/servo/position_unit.h"
 
 // What a drive does with its shaft: states, modes of operation, stops, and what it shows of them.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 namespace cia402 = canopen::cia402;
 
@@ -228,4 +228,4 @@ void Drive::compute_torque() {
   values_.current_actual_permille = share_permille(servo_.current_A(), values_.rated_current_mA);
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -9,7 +9,7 @@
 
 // A drive's objects, CiA 402: from this table come the drive's rows, drive.eds, its part of koboshi.dbc and
 // of the page docs/reference/object-dictionary.md (`koboshi dictionary write`).
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 namespace cia402 = canopen::cia402;
 using canopen::named_only;
@@ -215,4 +215,4 @@ static_assert(canopen::is_described(kDriveObjects));
 
 #undef OBJECT
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -1,6 +1,6 @@
 #include "sim_board/drive/drive_state.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 using canopen::cia402::Command;
 using canopen::cia402::kFaultReset;
@@ -60,4 +60,4 @@ void DriveStateMachine::torque_off() {
   }
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,7 +4,7 @@
 
 #include "firmware/canopen/cia402.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // The power drive system finite state automaton of CiA 402-2, figure 5. Quick stop and fault reaction last
 // until their owner reports that the shaft stands.
@@ -35,4 +35,4 @@ class DriveStateMachine {
   std::uint16_t controlword_ = 0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,7 +4,7 @@
 
 #include "firmware/canopen/cia402.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Homing mode, CiA 402-2, by the methods that do not move the shaft: 35 and 37, where the position that the
 // shaft has becomes home. A rising edge of controlword bit 4 starts it.
@@ -44,4 +44,4 @@ class Homing {
   Outcome outcome_ = Outcome::kNotStarted;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

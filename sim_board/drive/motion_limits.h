@@ -11,7 +11,7 @@
 
 // What the limits in a drive's objects leave of the motion that a controller asks for. Positions in 2^-20
 // turn.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Positions within the software position limits.
 struct PositionRange {
@@ -94,4 +94,4 @@ inline CyclicLimits cyclic_limits(const DriveValues& values) {
           .range = position_range(values)};
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

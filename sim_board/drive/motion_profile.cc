@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 MotionProfile::MotionProfile(double distance_units, double speed_units_per_s, const ProfileLimits& limits,
                              double braking_units_per_s2)
@@ -69,4 +69,4 @@ double MotionProfile::speed_units_per_s(double t_s) const {
   return phase.speed_units_per_s + phase.acceleration_units_per_s2 * t_s;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Magnitudes, in units of the bus (2^-20 turn) and seconds; all above 0.
 struct ProfileLimits {
@@ -50,4 +50,4 @@ class MotionProfile {
   double speed_units_per_s_;     // and how fast
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

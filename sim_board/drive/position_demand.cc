@@ -5,7 +5,7 @@
 
 #include "sim_board/servo/position_unit.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 void PositionDemand::hold(std::int32_t position) {
   *this = {};
@@ -120,4 +120,4 @@ double PositionDemand::stream_speed(std::uint64_t now_us) const {
   return now_us - end_us_ < wait_us_ ? end_speed_ : 0.0;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -7,7 +7,7 @@
 #include "sim_board/drive/motion_limits.h"
 #include "sim_board/drive/motion_profile.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // The position that a drive asks of its servo between two targets of the bus, in units of the bus (2^-20
 // turn). Cyclic synchronous position mode: each new target is approached linearly over one interpolation
@@ -74,4 +74,4 @@ class PositionDemand {
   std::optional<MotionProfile> profile_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -8,7 +8,7 @@
 #include "sim_board/drive/debounce.h"
 #include "sim_board/drive/drive_dictionary.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Compares the shaft with what is asked of it (CiA 402-2, position control function): the following error of
 // the demand, and whether a target is reached.
@@ -48,4 +48,4 @@ class PositionWatch {
   bool target_reached_ = false;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

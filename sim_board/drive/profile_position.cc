@@ -3,7 +3,7 @@
 #include "firmware/canopen/cia402.h"
 #include "sim_board/drive/motion_limits.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 namespace cia402 = canopen::cia402;
 
@@ -50,4 +50,4 @@ void ProfilePosition::take_set_point(const DriveValues& values, std::int32_t dem
   started_ = false;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -7,7 +7,7 @@
 #include "sim_board/drive/motion_profile.h"
 #include "sim_board/drive/position_demand.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Profile position mode, CiA 402-2: the hand-shake of set-points between controlword and statusword, and the
 // moves that come of them. One set-point is on its way and one more may wait for it to arrive; its profile is
@@ -46,4 +46,4 @@ class ProfilePosition {
   std::int32_t target_ = 0;          // of the last set-point: what a relative one adds to
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -9,7 +9,7 @@
 #include "sim_board/drive/debounce.h"
 #include "sim_board/servo/servo.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // What a drive finds wrong with its own hardware.
 class ServoMonitor {
@@ -60,4 +60,4 @@ class ServoMonitor {
   Debounce high_current_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

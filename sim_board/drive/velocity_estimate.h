@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // The speed of a shaft from its encoder: the difference of two positions kSamples loops apart, since one
 // count of a 12-bit encoder in one loop of 1 ms would already be 1.5 rad/s.
@@ -30,4 +30,4 @@ class VelocityEstimate {
   std::int32_t units_per_s_ = 0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,7 +5,7 @@
 
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Forwards all calls to another world; base class of worlds that extend or change one.
 class ForwardingWorld : public World {
@@ -34,4 +34,4 @@ class ForwardingWorld : public World {
   std::unique_ptr<World> world_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -10,7 +10,7 @@
 #include "sim_board/engine/forwarding_world.h"
 #include "sim_board/world/ground_truth.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr double kCheck_s = 0.01;
@@ -177,4 +177,4 @@ std::unique_ptr<World> guard_energy(std::unique_ptr<World> world, const RobotDes
   return std::make_unique<GuardedWorld>(std::move(world), robot, options);
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

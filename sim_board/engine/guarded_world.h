@@ -2,11 +2,11 @@
 
 #include <memory>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/world/options.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Returns a world that checks energy conservation. Every kCheck_s it compares the kinetic and potential
 // energy of the links with the work of servos and pushes; contacts, stops and the solver's corrections may
@@ -21,4 +21,4 @@ namespace koboshi::sim {
 std::unique_ptr<World> guard_energy(std::unique_ptr<World> world, const RobotDescription& robot,
                                     const WorldOptions& options);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

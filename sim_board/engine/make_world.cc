@@ -6,7 +6,7 @@
 #include "sim_board/engine/mujoco/mujoco_world.h"
 #include "sim_board/engine/ode/ode_world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 namespace {
 
@@ -23,4 +23,4 @@ std::unique_ptr<World> make_world(const RobotDescription& robot, const WorldOpti
   return guard_energy(std::move(world), robot, options);
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 std::uint64_t split_mix(std::uint64_t& state) {
@@ -44,4 +44,4 @@ double RandomStream::draw_pair() {
   return x * factor;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

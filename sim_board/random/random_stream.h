@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // A stream of random numbers with a name. Each name has an independent stream, so adding a sensor to a robot
 // does not change the numbers of the others. Unlike std::normal_distribution, the same seed and name give the
@@ -46,4 +46,4 @@ class RandomStream {
   bool has_spare_ = false;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

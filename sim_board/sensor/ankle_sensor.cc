@@ -1,6 +1,6 @@
 #include "sim_board/sensor/ankle_sensor.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // Returns the joint's anchor in the frame of its child link, in which it is fixed.
@@ -44,4 +44,4 @@ bool AnkleSensor::poll(std::uint64_t now_us, hal::AnkleSample& sample) {
   return true;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,12 +4,12 @@
 #include <cstdint>
 
 #include "hal/port/ankle.h"
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/sensor/sensitivity.h"
 #include "sim_board/sensor/six_axis.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Six-axis force/torque sensor in a foot link, below the joint that connects the foot to the shank. Measures
 // the wrench that the ground side exerts on the shank side, in the sensor's frame S about its origin: f_z > 0
@@ -44,4 +44,4 @@ class AnkleSensor {
   bool started_ = false;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 Wrench weight_below(const AnkleSensorDescription& sensor, const RobotDescription& robot,
@@ -43,4 +43,4 @@ AnkleZmp::Reading AnkleZmp::read(const Wrench& wrench_S) {
           Eigen::Vector2d(-tau_Nm.y() - f_N.x() * height_m_, tau_Nm.x() - f_N.y() * height_m_) / f_N.z()};
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

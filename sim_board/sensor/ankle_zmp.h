@@ -2,12 +2,12 @@
 
 #include <Eigen/Core>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/sensor/channel.h"
 #include "sim_board/sensor/sensitivity.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Computes the ZMP of a foot from the wrench at its ankle sensor, in double precision. Includes all errors of
 // the sensor except filter, jitter and delay: the limit of what any firmware can measure.
@@ -41,4 +41,4 @@ class AnkleZmp {
   Channel torque_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

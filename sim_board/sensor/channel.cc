@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 Saturation::Saturation(double range) : range_(range) {
   if (!(range > 0.0)) throw std::invalid_argument("saturation: range must be greater than zero");
@@ -48,4 +48,4 @@ std::array<std::int16_t, 3> Channel::sample() {
   return counts;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

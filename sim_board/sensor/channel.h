@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <string_view>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/sensor/low_pass.h"
 #include "sim_board/sensor/noise.h"
 #include "sim_board/sensor/sensitivity.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Range of a sensing element: limits values to +-range.
 class Saturation {
@@ -59,4 +59,4 @@ class Channel {
   Quantiser quantiser_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

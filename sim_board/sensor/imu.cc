@@ -1,6 +1,6 @@
 #include "sim_board/sensor/imu.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 Imu::Imu(const ImuDescription& description, const LinkDescription& link, const Eigen::Vector3d& g_W,
          const SensorErrors& errors)
@@ -35,4 +35,4 @@ bool Imu::poll(std::uint64_t now_us, hal::ImuSample& sample) {
   return true;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

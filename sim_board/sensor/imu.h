@@ -4,12 +4,12 @@
 #include <cstdint>
 
 #include "hal/port/imu.h"
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/sensor/sensitivity.h"
 #include "sim_board/sensor/six_axis.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Inertial measurement unit at pose X_LS in a link. Measures in its frame S:
 //
@@ -53,4 +53,4 @@ class Imu {
   bool started_ = false;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

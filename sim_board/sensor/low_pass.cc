@@ -4,7 +4,7 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 LowPass::LowPass(double bandwidth_Hz) : decay_per_s_(std::numbers::sqrt2 * std::numbers::pi * bandwidth_Hz) {
   if (!(bandwidth_Hz > 0.0)) throw std::invalid_argument("low-pass: bandwidth must be greater than zero");
@@ -44,4 +44,4 @@ void LowPass::prepare(std::uint64_t duration_us) {
   transition_ = {duration_us, shrink * (1.0 - tangent * tangent) / norm, shrink * 2.0 * tangent / norm};
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

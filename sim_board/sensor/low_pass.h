@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Analogue anti-alias filter in front of a sensor's converter: a second-order Butterworth low-pass with unit
 // gain for three axes,
@@ -42,4 +42,4 @@ class LowPass {
   Eigen::Vector3d slope_ = Eigen::Vector3d::Zero();  // of the output, divided by decay
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // Returns +1 or -1 for each of the last three bits. A table avoids a branch that would be mispredicted every
@@ -64,4 +64,4 @@ Eigen::Vector3d RandomWalk::sample() {
   return state_;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

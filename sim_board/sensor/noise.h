@@ -9,7 +9,7 @@
 
 // Random errors of a triad of sensor axes, by IEEE Std 952-1997, annex C: bias, its drift, and white noise.
 // The three axes are independent. `name` and the seed identify the random stream of each error.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Seed and scale of all random errors of a robot's sensors.
 struct SensorErrors {
@@ -105,4 +105,4 @@ class RandomWalk {
   Eigen::Vector3d state_ = Eigen::Vector3d::Zero();
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 Jitter::Jitter(std::uint64_t largest_us, std::uint64_t seed, std::string_view name)
     : largest_us_(static_cast<std::int64_t>(largest_us)), random_(seed, name) {}
@@ -37,4 +37,4 @@ void Sampler::schedule(std::uint64_t nominal_us) {
   next_ = {nominal_us, nominal_us + static_cast<std::uint64_t>(jitter_.sample_us())};
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -7,7 +7,7 @@
 
 #include "sim_board/random/random_stream.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Deviation of a sampling instant from its nominal time: a whole number of microseconds, uniform within
 // +-largest, independent from instant to instant.
@@ -94,4 +94,4 @@ class Delay {
   std::size_t size_ = 0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

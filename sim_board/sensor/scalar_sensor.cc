@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 Sampler make_sampler(const ScalarSensorDescription& description, std::uint64_t seed, std::string_view name) {
@@ -53,4 +53,4 @@ double ScalarSensor::sample(double value) {
   return lowest_ + resolution_ * std::nearbyint((shown - lowest_) / resolution_);
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

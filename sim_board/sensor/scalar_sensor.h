@@ -3,12 +3,12 @@
 #include <cstdint>
 #include <string_view>
 
+#include "sim_board/description/description.h"
 #include "sim_board/random/random_stream.h"
-#include "sim_board/robot/description.h"
 #include "sim_board/sensor/channel.h"
 #include "sim_board/sensor/sampler.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Sensor of one slow quantity, such as a supply voltage or the temperature of a winding, as read by a
 // microcontroller. Models scale error, offset, noise, range and resolution, and holds each sample until the
@@ -52,4 +52,4 @@ class ScalarSensor {
   bool started_ = false;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 AxisGains::AxisGains(double scale_error, double cross_axis, std::uint64_t seed, std::string_view name) {
   RandomStream scale(seed, std::string(name) + ".scale");
@@ -34,4 +34,4 @@ Wrench AnkleCrosstalk::apply(const Wrench& wrench) const {
           wrench.torque_Nm + torque_by_force_.value() * wrench.force_N};
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <string_view>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/sensor/noise.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Linear response of a triad to its own quantity: 1 + scale factor error on the diagonal, cross-axis
 // sensitivity (which includes non-orthogonal axes) off it. Each element is drawn once, uniform within its
@@ -54,4 +54,4 @@ class AnkleCrosstalk {
   CrossSensitivity torque_by_force_;  // N m / N
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

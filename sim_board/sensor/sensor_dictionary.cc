@@ -6,7 +6,7 @@
 #include "firmware/canopen/pdo.h"
 #include "sim_board/sensor/sensor_objects.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using canopen::mapping;
@@ -59,4 +59,4 @@ canopen::NodeDescription sensor_node_description(SensorKind kind) {
   };
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "firmware/canopen/node.h"
+#include "firmware/canopen/node/node.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // An inertial unit in the trunk, or a force/torque sensor below an ankle.
 enum class SensorKind : std::uint8_t { kInertial = 1, kForceTorque = 2 };
@@ -31,4 +31,4 @@ inline constexpr std::size_t kSensorTpdos = 2;
 // accelerometer or torque and the number.
 canopen::NodeDescription sensor_node_description(SensorKind kind);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 SensorNode::SensorNode(SensorKind kind, std::uint8_t node_id, Bus& bus)
     : bus_(bus),
@@ -53,4 +53,4 @@ void SensorNode::on_frame(const hal::CanFrame& frame, std::uint64_t time_us) {
   filter_.update(bus_, handle_, node_, services_);
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

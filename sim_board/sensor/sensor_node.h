@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "firmware/canopen/device_services.h"
-#include "firmware/canopen/node.h"
+#include "firmware/canopen/node/device_services.h"
+#include "firmware/canopen/node/node.h"
 #include "hal/port/ankle.h"
 #include "hal/port/imu.h"
 #include "sim_board/can/bus.h"
@@ -12,7 +12,7 @@
 #include "sim_board/sensor/sensor_dictionary.h"
 #include "sim_board/storage/node_storage.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Default node ids on a board whose sensors are nodes of the bus.
 inline constexpr std::uint8_t kInertialNode = 36;
@@ -80,4 +80,4 @@ class SensorNode final : private BusNode,
   std::uint64_t now_us_ = 0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -6,7 +6,7 @@
 
 // Objects of the two kinds of sensor nodes. Source of the nodes' object dictionaries and, by `koboshi
 // dictionary write`, of inertial.eds, ankle.eds, koboshi.dbc and docs/reference/object-dictionary.md.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 using enum canopen::Access;
 using enum canopen::Mappable;
@@ -70,4 +70,4 @@ static_assert(canopen::is_described(kAnkleObjects));
 
 #undef OBJECT
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

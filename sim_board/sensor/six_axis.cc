@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // Capacity of the FIFO in addition to the samples in transit, for a board that polls less often than the
@@ -86,4 +86,4 @@ void SixAxis::set_running(bool running) {
   running_ = running;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <string_view>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/sensor/channel.h"
 #include "sim_board/sensor/sampler.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Two triads with a common clock and delay. An inertial unit (gyro, accelerometer) and a six-axis force
 // sensor (force, torque) each have one.
@@ -50,4 +50,4 @@ class SixAxis {
   bool running_ = true;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

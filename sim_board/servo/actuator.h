@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdint>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // What stands between the duty cycle that a position loop asks for and the output shaft, one effect a class.
 // Voltages, torques and speeds are those of the shaft. Letters after Rhoban BAM (arXiv 2410.08650).
@@ -104,4 +104,4 @@ class Rotor {
   double inertia_kg_m2_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

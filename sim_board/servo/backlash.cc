@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 void Backlash::observe(const JointState& shaft) {
   if (!started_) {
@@ -56,4 +56,4 @@ void Backlash::turn_rotor(const ServoTorque& torque) {
   rotor_speed_rad_per_s_ = std::copysign(rest_Nm, drive_Nm) / resistance_Nm_s;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // The play between the gears, with rotor and friction, and the output. At an edge of the gap the rotor pushes
 // the output and moves with it; within it both move alone. The impact on an edge is inelastic: gears of small
@@ -52,4 +52,4 @@ class Backlash {
   double last_speed_rad_per_s_ = 0.0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

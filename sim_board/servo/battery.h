@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // What motors draw of a supply of voltage V: I = conductance_S V - generated_A. A bridge with duty d makes of
 // it d V for its motor and takes d i, so that no power is lost: I = d (d V - kt w) / R.
@@ -37,4 +37,4 @@ class Battery {
   double internal_resistance_ohm_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -8,7 +8,7 @@
 
 #include "sim_board/servo/encoder.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Between the bus and a position loop, in periods of that loop.
 
@@ -63,4 +63,4 @@ class DeadBand {
   double band_units_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // The bound on the dry friction of the gears: what can stop the joint, and holds it while it stands. Rhoban's
 // BAM (arXiv 2410.08650; github Rhoban/bam, bam/model.py), models M1 to M6 in one:
@@ -60,4 +60,4 @@ class DryFriction {
   bool has_stribeck_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

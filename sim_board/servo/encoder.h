@@ -5,11 +5,11 @@
 #include <numbers>
 #include <string_view>
 
+#include "sim_board/description/description.h"
 #include "sim_board/random/random_stream.h"
-#include "sim_board/robot/description.h"
 #include "sim_board/servo/position_unit.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // The absolute encoder on a servo's output shaft: mounting error, noise, rounding to the nearest count. It
 // keeps account of turns.
@@ -40,4 +40,4 @@ class Encoder {
   RandomStream random_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,10 +2,10 @@
 
 #include <cstdint>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/servo/encoder.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // The digital position loop of a servo drive, called once a period: duty cycle of its bridge proportional to
 // the position error, less a damping on the speed that the encoder shows. At full_voltage_error_rad of error
@@ -31,4 +31,4 @@ class PositionController {
   double velocity_gain_s_per_rad_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <numbers>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Positions on the bus and in a drive's loops are finer than any encoder here: 2^-20 turn.
 inline constexpr int kPositionBits = 20;
@@ -17,4 +17,4 @@ inline std::int64_t nearest(double value) {
   return whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -1,6 +1,6 @@
 #include "sim_board/servo/servo.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 Servo::Servo(const JointDescription& joint, const ServoOptions& options)
     : sign_(joint.drive.sign),
@@ -83,4 +83,4 @@ ServoTorque Servo::torque(double supply_V) {
   return torque;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/servo/actuator.h"
 #include "sim_board/servo/backlash.h"
 #include "sim_board/servo/battery.h"
@@ -13,7 +13,7 @@
 #include "sim_board/servo/winding.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 struct ServoOptions {
   double step_s = 0.001;     // of the physics
@@ -100,4 +100,4 @@ class Servo {
   std::int32_t reported_units_ = 0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // The temperature of a motor's copper: C T' = i^2 R - (T - ambient) / Rth, with R = R0 (1 + alpha (T -
 // ambient)). Iron, case and neighbours are left out: one node, whose capacity is what a heating curve of the
@@ -64,4 +64,4 @@ class Winding {
   bool too_hot_ = false;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

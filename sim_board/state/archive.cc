@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::byte kErased{0xFF};
@@ -52,4 +52,4 @@ const void* StateArchive::next_copy() {
   return from_->copies_[next_copy_++].get();
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

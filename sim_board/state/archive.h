@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Thrown if a simulation cannot be saved because a part of it is outside this process. `what()` is one line.
 class NotSaveable : public std::runtime_error {
@@ -173,4 +173,4 @@ class StateArchive {
   std::size_t next_copy_ = 0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::byte kScramble{0xA5};
@@ -55,4 +55,4 @@ void NodeFlash::complete() const {
   }
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -7,7 +7,7 @@
 #include "hal/port/storage.h"
 #include "sim_board/state/archive.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Flash of a drive's or sensor's microcontroller with four sectors: room for some
 // hundred parameters beside what ItemStore needs for its compaction. An operation ends after a fixed number
@@ -58,4 +58,4 @@ class NodeFlash final : public hal::StoragePort {
   mutable int polls_left_ = -1;  // of the operation in progress; negative: none
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

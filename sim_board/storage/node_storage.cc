@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 using canopen::AbortCode;
 using storage::Status;
@@ -53,4 +53,4 @@ void NodeStorage::load(canopen::NmtCommand reset) {
                                  : canopen::ParameterGroup::kCommunication);
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,13 +5,13 @@
 #include <optional>
 #include <span>
 
-#include "firmware/canopen/node.h"
-#include "firmware/canopen/stored_parameters.h"
+#include "firmware/canopen/node/node.h"
+#include "firmware/canopen/node/stored_parameters.h"
 #include "firmware/storage/item_store.h"
 #include "sim_board/state/archive.h"
 #include "sim_board/storage/node_flash.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Non-volatile data of a drive or sensor: its parameters (0x1010, 0x1011) and the node id assigned by LSS.
 // The owner forwards the node's requests (canopen::NodeApplication).
@@ -65,4 +65,4 @@ class NodeStorage {
   std::optional<Volatile> volatile_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

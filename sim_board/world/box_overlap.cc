@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 namespace {
 
@@ -57,4 +57,4 @@ BoxSeparation box_separation(const Eigen::Isometry3d& X_WA, const Eigen::Vector3
   return most;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

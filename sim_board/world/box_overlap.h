@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Returns the penetration depth of the boxes A and B in m: the shortest translation of A after which the
 // boxes only touch. Zero for separate boxes. X_WA and X_WB are the poses of their centres, half_A_m and
@@ -22,4 +22,4 @@ struct BoxSeparation {
 [[nodiscard]] BoxSeparation box_separation(const Eigen::Isometry3d& X_WA, const Eigen::Vector3d& half_A_m,
                                            const Eigen::Isometry3d& X_WB, const Eigen::Vector3d& half_B_m);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

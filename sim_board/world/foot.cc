@@ -5,7 +5,7 @@
 
 #include "sim_board/world/ground_truth.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Isometry3d;
@@ -79,4 +79,4 @@ void add_support_points(const Foot& foot, const World& world, const RobotDescrip
   }
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/world/ground.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Geometry of a foot for ground contact.
 struct Foot {
@@ -43,4 +43,4 @@ inline constexpr double kTouching_m = 0.001;
 void add_support_points(const Foot& foot, const World& world, const RobotDescription& robot,
                         const GroundDescription& ground, std::vector<Eigen::Vector3d>& points_W);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Isometry3d;
@@ -128,4 +128,4 @@ double height_above(const GroundDescription& ground, const Vector3d& p_W) {
   return height_m;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // The ground for all engines: a plane, patches with different friction, fixed boxes and height fields. Ramps
 // and stairs are boxes, see below. Equations and sources: docs/reference/ground.md.
@@ -95,4 +95,4 @@ std::vector<GroundBox> stair_boxes(const Stairs& stairs);
 // point along the shape's z axis. Infinite without ground.
 double height_above(const GroundDescription& ground, const Eigen::Vector3d& p_W);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -1,6 +1,6 @@
 #include "sim_board/world/ground_truth.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 CentreOfMass centre_of_mass(const RobotDescription& robot, const World& world) {
   CentreOfMass sum;
@@ -46,4 +46,4 @@ double energy_J(const RobotDescription& robot, const World& world,
   return energy_J;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

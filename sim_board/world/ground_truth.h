@@ -2,10 +2,10 @@
 
 #include <Eigen/Core>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Quantities of the whole robot that no sensor measures, from the poses and velocities of its links.
 
@@ -27,4 +27,4 @@ double link_energy_J(const RobotDescription& robot, const World& world, int link
                      const Eigen::Vector3d& gravity_W_m_per_s2);
 double energy_J(const RobotDescription& robot, const World& world, const Eigen::Vector3d& gravity_W_m_per_s2);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

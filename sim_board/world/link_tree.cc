@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 LinkTree::LinkTree(const RobotDescription& robot) {
   const std::size_t link_count = robot.links.size();
@@ -65,4 +65,4 @@ int LinkTree::distance(int link, int other_link) const {
   return joints;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // The kinematic tree: links[0] is the root, the joints are the edges.
 class LinkTree {
@@ -31,4 +31,4 @@ class LinkTree {
   std::vector<int> depth_;        // by link
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Indexed by the enumeration.
 const std::vector<std::string>& stepper_names() {
@@ -33,4 +33,4 @@ WorldOptions checked(WorldOptions options, const RobotDescription& robot) {
   return options;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

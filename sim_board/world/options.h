@@ -7,12 +7,12 @@
 #include <string_view>
 #include <vector>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/world/gravity.h"
 #include "sim_board/world/ground.h"
 #include "sim_board/world/surface_contact.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Solver of the equations of motion.
 //   kWorld  ODE, exact contact solver (Dantzig): the reference, slow
@@ -57,4 +57,4 @@ struct WorldOptions {
 // this robot.
 WorldOptions checked(WorldOptions options, const RobotDescription& robot);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

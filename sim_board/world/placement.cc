@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Isometry3d;
@@ -105,4 +105,4 @@ double lift_onto_ground(const RobotDescription& robot, std::span<const Isometry3
   return lift_m == kNever_m ? 0.0 : lift_m;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

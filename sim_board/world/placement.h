@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <span>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/world/ground.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Returns the displacement along the world's z axis after which the robot's boxes touch the ground from
 // above, in m; negative if the robot is above the ground. The links are at X_WLs. Exact for planes and boxes:
@@ -16,4 +16,4 @@ namespace koboshi::sim {
 double lift_onto_ground(const RobotDescription& robot, std::span<const Eigen::Isometry3d> X_WLs,
                         const GroundDescription& ground);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

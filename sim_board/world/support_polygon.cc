@@ -4,7 +4,7 @@
 #include <limits>
 #include <tuple>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Vector2d;
@@ -55,4 +55,4 @@ double distance_inside(const std::vector<Vector2d>& polygon, const Vector2d& poi
   return inside ? distance_m : -distance_m;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

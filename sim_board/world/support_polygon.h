@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Plane geometry of the support polygon; points in m.
 
@@ -16,4 +16,4 @@ std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points);
 // away.
 double distance_inside(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& point);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // Lower bound of CFM: below it the contact rows of one foot are numerically dependent.
@@ -62,4 +62,4 @@ SurfaceContact meet(const SurfaceDescription& one, const SurfaceDescription& oth
   return contact;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,9 +5,9 @@
 #include <span>
 #include <string>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // ODE's ERP and CFM of a spring kp and damper kd; they depend on the step h (ODE manual, "How To Use ERP and
 // CFM"):
@@ -56,4 +56,4 @@ struct MaterialPair {
 SurfaceContact meet(const SurfaceDescription& one, const SurfaceDescription& other, double step_s,
                     std::span<const MaterialPair> pairs = {});
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -8,7 +8,7 @@
 
 #include "sim_board/state/archive.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Servo input to the solver: a torque affine in the joint's new speed, tau = drive_Nm - damping_Nm_s * w_new,
 // the rotor inertia, and a bound of the dry friction. All at the joint, output side.
@@ -89,4 +89,4 @@ class World {
   virtual void archive(StateArchive& archive) = 0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

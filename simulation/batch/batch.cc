@@ -7,7 +7,7 @@
 
 namespace koboshi::simulation {
 
-Batch::Batch(const sim::Scenario& scenario, std::span<const std::uint64_t> seeds, std::size_t threads)
+Batch::Batch(const Scenario& scenario, std::span<const std::uint64_t> seeds, std::size_t threads)
     : threads_(threads), worlds_(seeds.size()) {
   if (seeds.empty()) throw std::invalid_argument("found no seed, expected one for each simulation");
   if (threads == 0) throw std::invalid_argument("found 0 threads, expected at least 1");

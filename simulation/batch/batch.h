@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "sim_board/scenario/scenario.h"
 #include "simulation/observe/watched_simulation.h"
+#include "simulation/scenario/scenario.h"
 
 namespace koboshi::simulation {
 
@@ -15,9 +15,9 @@ namespace koboshi::simulation {
 // are read and compiled once, and no state: each gives the same bits as alone.
 class Batch {
  public:
-  // Creates one simulation per seed, at least one, and `threads` >= 1 threads. Throws sim::InputError for an
+  // Creates one simulation per seed, at least one, and `threads` >= 1 threads. Throws InputError for an
   // error in a file of the scenario.
-  Batch(const sim::Scenario& scenario, std::span<const std::uint64_t> seeds, std::size_t threads);
+  Batch(const Scenario& scenario, std::span<const std::uint64_t> seeds, std::size_t threads);
 
   std::size_t size() const { return worlds_.size(); }
   WatchedSimulation& at(std::size_t world) { return *worlds_.at(world); }

@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "sim_board/input/user_units.h"
-#include "sim_board/input/yaml_reader.h"
+#include "base/text/user_units.h"
+#include "base/yaml/yaml_reader.h"
 #include "simulation/gait/gait_keys.h"
 
 namespace koboshi::simulation {
@@ -21,7 +21,7 @@ struct RenamedKey {
 constexpr std::array<RenamedKey, 2> kRenamedKeys{
     {{"swing_ease", "swing_profile"}, {"zmp_ahead_m", "zmp_forward_m"}}};
 
-void check_renamed(const sim::YamlMap& root) {
+void check_renamed(const YamlMap& root) {
   for (const auto& [old_key, key] : kRenamedKeys) {
     if (root.has(old_key))
       throw root.error_at(old_key, std::string("key ") + old_key + ", which has another name now", key);
@@ -85,7 +85,7 @@ const GaitKey kGaitKeys[]{
      .max = 45.0,
      .fallback = 0.0,
      .meaning = "forward lean of the trunk",
-     .set = [](Gait& g, double v) { g.trunk_pitch_rad = sim::kRadPerDegree * v; }},
+     .set = [](Gait& g, double v) { g.trunk_pitch_rad = kRadPerDegree * v; }},
     {.key = "zmp_forward_m",
      .unit = "m",
      .min = -0.2,
@@ -143,16 +143,16 @@ const GaitKey kGaitKeys[]{
      .set = [](Gait& g, double v) { g.feedback.knee_s = v; }},
 };
 
-void read_numbers(const sim::YamlMap& root, Gait& gait) {
+void read_numbers(const YamlMap& root, Gait& gait) {
   constexpr std::string_view kFeedback = "feedback.";
   const auto feedback = root.optional_child("feedback");
   for (const GaitKey& key : gait_keys()) {
     const bool is_nested = key.key.starts_with(kFeedback);
     if (is_nested && !feedback) continue;
-    const sim::YamlMap& map = is_nested ? *feedback : root;
+    const YamlMap& map = is_nested ? *feedback : root;
     const std::string name(is_nested ? key.key.substr(kFeedback.size()) : key.key);
     if (key.is_integer) {
-      const sim::IntegerRange range{static_cast<std::int64_t>(key.min), static_cast<std::int64_t>(key.max)};
+      const IntegerRange range{static_cast<std::int64_t>(key.min), static_cast<std::int64_t>(key.max)};
       const auto fallback =
           key.fallback ? std::optional(static_cast<std::int64_t>(*key.fallback)) : std::nullopt;
       key.set(gait, static_cast<double>(map.integer(name, range, fallback)));
@@ -162,12 +162,12 @@ void read_numbers(const sim::YamlMap& root, Gait& gait) {
   }
 }
 
-void read_upper_body(const sim::YamlMap& root, Gait& gait) {
+void read_upper_body(const YamlMap& root, Gait& gait) {
   const auto map = root.optional_child("upper_body_deg");
   if (!map) return;
   for (const auto& [joint, value] : map->entries()) {
     gait.upper_body.push_back(
-        {joint, value.line(), sim::kRadPerDegree * value.number({.min = -180.0, .max = 180.0})});
+        {joint, value.line(), kRadPerDegree * value.number({.min = -180.0, .max = 180.0})});
   }
 }
 
@@ -175,12 +175,12 @@ void read_upper_body(const sim::YamlMap& root, Gait& gait) {
 
 std::span<const GaitKey> gait_keys() { return kGaitKeys; }
 
-Gait read_gait(const std::filesystem::path& file, std::span<const sim::Override> overrides) {
-  return read_gait(sim::YamlFile(file, overrides));
+Gait read_gait(const std::filesystem::path& file, std::span<const Override> overrides) {
+  return read_gait(YamlFile(file, overrides));
 }
 
-Gait read_gait(const sim::YamlFile& yaml) {
-  const sim::YamlMap root = yaml.root();
+Gait read_gait(const YamlFile& yaml) {
+  const YamlMap root = yaml.root();
   root.require_version(1);
   check_renamed(root);
   Gait gait;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/input/yaml_reader.h"
+#include "base/yaml/yaml_reader.h"
 
 namespace koboshi::simulation {
 
@@ -47,11 +47,10 @@ struct Gait {
   GyroFeedbackGains feedback;
 };
 
-// Reads a gait file; `overrides` are those of --set. Throws sim::InputError with the line of a missing,
+// Reads a gait file; `overrides` are those of --set. Throws InputError with the line of a missing,
 // unknown, duplicate or out-of-range key.
-[[nodiscard]] Gait read_gait(const std::filesystem::path& file,
-                             std::span<const sim::Override> overrides = {});
+[[nodiscard]] Gait read_gait(const std::filesystem::path& file, std::span<const Override> overrides = {});
 // Reads the contents of such a file. Throws the same.
-[[nodiscard]] Gait read_gait(const sim::YamlFile& yaml);
+[[nodiscard]] Gait read_gait(const YamlFile& yaml);
 
 }  // namespace koboshi::simulation

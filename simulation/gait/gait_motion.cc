@@ -4,8 +4,8 @@
 
 #include <fmt/core.h>
 
+#include "base/text/user_units.h"
 #include "firmware/fixed/host/convert.h"
-#include "sim_board/input/user_units.h"
 #include "simulation/gait/walking_pose.h"
 
 namespace koboshi::simulation {
@@ -16,7 +16,7 @@ constexpr std::uint32_t kStand_us = 500'000;
 
 class MotionMaker {
  public:
-  MotionMaker(const Gait& gait, const sim::RobotDescription& robot, const NamedModel& model)
+  MotionMaker(const Gait& gait, const sim_board::RobotDescription& robot, const NamedModel& model)
       : gait_(gait), plan_(gait), pose_(gait, robot, model), model_(model) {}
 
   MotionSource make() {
@@ -53,10 +53,9 @@ class MotionMaker {
     PoseSource pose{.name = name};
     const std::vector<double> targets_rad = pose_.targets_rad(instant);
     for (std::size_t joint = 0; joint < targets_rad.size(); ++joint) {
-      const double angle_deg =
-          std::round(targets_rad[joint] / sim::kRadPerDegree / kWritten_deg) * kWritten_deg;
+      const double angle_deg = std::round(targets_rad[joint] / kRadPerDegree / kWritten_deg) * kWritten_deg;
       pose.angles.emplace_back(robot::clamp_to_limits(
-          model_.model.joints[joint], fixed::from_double<fixed::Angle>(angle_deg * sim::kRadPerDegree)));
+          model_.model.joints[joint], fixed::from_double<fixed::Angle>(angle_deg * kRadPerDegree)));
     }
     motion_.poses.push_back(std::move(pose));
     StepSource step;
@@ -88,7 +87,8 @@ void write_steps(std::string& text, const MotionSource& motion, const std::vecto
 
 }  // namespace
 
-MotionSource make_gait_motion(const Gait& gait, const sim::RobotDescription& robot, const NamedModel& model) {
+MotionSource make_gait_motion(const Gait& gait, const sim_board::RobotDescription& robot,
+                              const NamedModel& model) {
   return MotionMaker(gait, robot, model).make();
 }
 
@@ -97,7 +97,7 @@ std::string gait_motion_text(const MotionSource& motion, const NamedModel& model
   for (const PoseSource& pose : motion.poses) {
     text += fmt::format("  {}:", pose.name);
     for (std::size_t joint = 0; joint < pose.angles.size(); ++joint) {
-      const double angle_deg = fixed::to_double(*pose.angles[joint]) / sim::kRadPerDegree;
+      const double angle_deg = fixed::to_double(*pose.angles[joint]) / kRadPerDegree;
       text += fmt::format("{} {}: {:.3f}", joint == 0 ? " {" : ",", model.joint_names[joint], angle_deg);
     }
     text += "}\n";

@@ -6,7 +6,7 @@
 
 namespace koboshi::simulation {
 
-Pendulum::Pendulum(double height_m) : time_constant_s_(std::sqrt(height_m / sim::kGravity_m_per_s2)) {}
+Pendulum::Pendulum(double height_m) : time_constant_s_(std::sqrt(height_m / sim_board::kGravity_m_per_s2)) {}
 
 PendulumState Pendulum::advance(const PendulumState& state, const ZmpPiece& zmp, double time_s) const {
   const double Tc = time_constant_s_;

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "base/text/error.h"
+#include "base/text/text.h"
+#include "base/text/user_units.h"
 #include "firmware/fixed/host/convert.h"
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
-#include "sim_board/input/user_units.h"
 #include "sim_board/world/gravity.h"
 
 namespace koboshi::simulation {
@@ -31,14 +31,14 @@ robot::Pose fixed_pose(const Isometry3d& X) {
 }
 
 // Returns the servo's torque per radian of position error.
-double stiffness_Nm_per_rad(const sim::ServoDescription& servo) {
+double stiffness_Nm_per_rad(const sim_board::ServoDescription& servo) {
   const double stall_Nm = servo.torque_constant_Nm_per_A * servo.supply_V / servo.resistance_ohm;
   return stall_Nm / servo.full_voltage_error_rad;
 }
 
 }  // namespace
 
-WalkingPose::WalkingPose(const Gait& gait, const sim::RobotDescription& robot, const NamedModel& model)
+WalkingPose::WalkingPose(const Gait& gait, const sim_board::RobotDescription& robot, const NamedModel& model)
     : gait_(gait), robot_(robot), model_(model), tree_(robot), upper_body_rad_(robot.joints.size(), 0.0) {
   for (const Side side : {Side::kLeft, Side::kRight}) {
     // load_named_model has checked that the legs have this geometry.
@@ -47,10 +47,9 @@ WalkingPose::WalkingPose(const Gait& gait, const sim::RobotDescription& robot, c
     }
   }
   for (const UpperBodyAngle& angle : gait.upper_body) {
-    const std::vector<sim::MirroredJoint> joints = robot.find_joints(angle.joint);
+    const std::vector<sim_board::MirroredJoint> joints = robot.find_joints(angle.joint);
     if (joints.empty()) {
-      throw sim::InputError(gait.file, angle.line, "the joint '" + angle.joint + "'",
-                            "a joint of " + robot.name);
+      throw InputError(gait.file, angle.line, "the joint '" + angle.joint + "'", "a joint of " + robot.name);
     }
     for (const auto& [joint, sign] : joints)
       upper_body_rad_[static_cast<std::size_t>(joint)] = sign * angle.angle_rad;
@@ -79,8 +78,8 @@ std::vector<double> WalkingPose::solve_legs(const GaitInstant& instant, const Is
     const robot::Pose X_BSole = fixed_pose(X_WB.inverse() * instant.X_WSole[side]);
     const robot::LegAngles leg = robot::leg_inverse_kinematics(model_.model, legs_[side], X_BSole);
     if (!leg.reached)
-      throw sim::InputError(gait_.file, 0, "a walk whose legs do not reach",
-                            "a lower com_height_m, or smaller steps", "the reach of the legs");
+      throw InputError(gait_.file, 0, "a walk whose legs do not reach",
+                       "a lower com_height_m, or smaller steps", "the reach of the legs");
     for (std::size_t i = 0; i < robot::kLegJoints; ++i) {
       angles_rad[legs_[side].joints[i]] = fixed::to_double(leg.angles[i]);
     }
@@ -93,7 +92,7 @@ std::vector<double> WalkingPose::solve_legs(const GaitInstant& instant, const Is
 void WalkingPose::compensate_sag(const GaitInstant& instant, const Isometry3d& X_WB,
                                  std::vector<double>& angles_rad) const {
   const std::vector<Isometry3d> X_WLs = tree_.poses(robot_, X_WB, angles_rad);
-  const double g = sim::kGravity_m_per_s2;
+  const double g = sim_board::kGravity_m_per_s2;
   for (std::size_t side = 0; side < legs_.size(); ++side) {
     Vector3d force_W(0.0, 0.0, instant.load_share[side] * robot_.total_mass_kg() * g);
     const Vector3d zmp_W(instant.zmp_W_m.x(), instant.zmp_W_m.y(), 0.0);
@@ -103,9 +102,9 @@ void WalkingPose::compensate_sag(const GaitInstant& instant, const Isometry3d& X
     Vector3d moment_W = p_W.cross(force_W);  // about the world's origin
     for (std::size_t i = robot::kLegJoints; i-- > 0;) {
       const std::size_t joint_index = legs_[side].joints[i];
-      const sim::JointDescription& joint = robot_.joints[joint_index];
+      const sim_board::JointDescription& joint = robot_.joints[joint_index];
       const auto child = static_cast<std::size_t>(joint.child);
-      const sim::LinkDescription& link = robot_.links[child];
+      const sim_board::LinkDescription& link = robot_.links[child];
       const Vector3d weight_W(0.0, 0.0, -link.mass_kg * g);
       force_W += weight_W;
       moment_W += (X_WLs[child] * link.p_LCom_L).cross(weight_W);
@@ -127,12 +126,12 @@ Vector3d WalkingPose::centre_of_mass(const std::vector<Isometry3d>& X_WLs) const
 
 void WalkingPose::check_limits(const std::vector<double>& angles_rad) const {
   for (std::size_t joint = 0; joint < angles_rad.size(); ++joint) {
-    const sim::JointDescription& limits = robot_.joints[joint];
+    const sim_board::JointDescription& limits = robot_.joints[joint];
     if (angles_rad[joint] >= limits.lower_rad && angles_rad[joint] <= limits.upper_rad) continue;
-    throw sim::InputError(
+    throw InputError(
         gait_.file, 0,
-        "a walk that takes " + limits.name + " to " + sim::degrees_text(angles_rad[joint]) + " degrees",
-        sim::degrees_text(limits.lower_rad) + " to " + sim::degrees_text(limits.upper_rad),
+        "a walk that takes " + limits.name + " to " + degrees_text(angles_rad[joint]) + " degrees",
+        degrees_text(limits.lower_rad) + " to " + degrees_text(limits.upper_rad),
         "the limits of " + limits.name);
   }
 }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "firmware/robot/leg.h"
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/world/link_tree.h"
 #include "simulation/gait/gait.h"
 #include "simulation/gait/gait_plan.h"
@@ -16,10 +16,10 @@ namespace koboshi::simulation {
 class WalkingPose {
  public:
   // All arguments must outlive this object.
-  WalkingPose(const Gait& gait, const sim::RobotDescription& robot, const NamedModel& model);
+  WalkingPose(const Gait& gait, const sim_board::RobotDescription& robot, const NamedModel& model);
 
   // Returns the targets in rad, by joint. They place the robot's centre of mass and soles as planned with the
-  // gait's trunk pitch, and compensate the servos' sag. Throws sim::InputError if a pose cannot be reached.
+  // gait's trunk pitch, and compensate the servos' sag. Throws InputError if a pose cannot be reached.
   std::vector<double> targets_rad(const GaitInstant& instant) const;
 
  private:
@@ -30,9 +30,9 @@ class WalkingPose {
   void check_limits(const std::vector<double>& angles_rad) const;
 
   const Gait& gait_;
-  const sim::RobotDescription& robot_;
+  const sim_board::RobotDescription& robot_;
   const NamedModel& model_;
-  sim::LinkTree tree_;
+  sim_board::LinkTree tree_;
   std::array<robot::LegGeometry, 2> legs_;
   std::vector<double> upper_body_rad_;  // by joint; zero for the legs
 };

@@ -8,9 +8,9 @@ namespace {
 constexpr std::uint64_t kServicesATick = 10;
 
 // The simulated sensors must have the node ids of a real robot's.
-static_assert(hal::CanSensors::kInertialNode == sim::kInertialNode &&
-              hal::CanSensors::kLeftAnkleNode == sim::kLeftAnkleNode &&
-              hal::CanSensors::kRightAnkleNode == sim::kRightAnkleNode);
+static_assert(hal::CanSensors::kInertialNode == sim_board::kInertialNode &&
+              hal::CanSensors::kLeftAnkleNode == sim_board::kLeftAnkleNode &&
+              hal::CanSensors::kRightAnkleNode == sim_board::kRightAnkleNode);
 
 }  // namespace
 

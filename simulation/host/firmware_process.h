@@ -18,7 +18,7 @@ class FirmwareProcess {
  public:
   // `storage_contents` is as made by make_storage_contents, kept in a file if one is named (FlashMemory). The
   // transport must outlive this object.
-  FirmwareProcess(std::span<const std::byte> storage_contents, sim::Transport& transport,
+  FirmwareProcess(std::span<const std::byte> storage_contents, sim_board::Transport& transport,
                   const std::filesystem::path& storage_file = {})
       : host_(storage_contents, storage_file, hal::CanSensors::kNodes), transport_(transport) {}
 
@@ -43,7 +43,7 @@ class FirmwareProcess {
   void send(const hal::CanFrame& frame);
 
   InProcessHost host_;
-  sim::Transport& transport_;
+  sim_board::Transport& transport_;
   hal::CanSensors sensors_;
   hal::BatchInput input_;
   hal::BatchOutput output_;

@@ -8,11 +8,11 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "base/text/error.h"
 #include "firmware/storage/catalogue.h"
 #include "firmware/storage/image.h"
 #include "firmware/storage/item_store.h"
 #include "hal/linux/file_descriptor.h"
-#include "sim_board/input/error.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -39,8 +39,8 @@ bool make_long_enough(const std::filesystem::path& file) {
   const std::uintmax_t size = std::filesystem::file_size(file);
   if (size == FlashMemory::kSize_bytes) return false;
   if (size != 0) {
-    throw sim::InputError(file, 0, std::to_string(size) + " bytes",
-                          "a storage of " + std::to_string(FlashMemory::kSize_bytes) + ", or no file yet");
+    throw InputError(file, 0, std::to_string(size) + " bytes",
+                     "a storage of " + std::to_string(FlashMemory::kSize_bytes) + ", or no file yet");
   }
   std::filesystem::resize_file(file, FlashMemory::kSize_bytes);
   return true;
@@ -78,15 +78,15 @@ bool is_erased(std::span<const std::byte> flash) {
   return std::ranges::all_of(flash, [](std::byte byte) { return byte == kErased; });
 }
 
-// Throws sim::InputError unless a run has written the file.
+// Throws InputError unless a run has written the file.
 void check_origin(std::span<const std::byte> flash, const std::filesystem::path& file) {
   constexpr const char* kExpected = "a storage that a run has written, or no file yet";
   const auto log = flash.last(storage::kRobotLogSize_bytes);
   // A program that ended before it had written its contents leaves an erased header.
   if (!has_catalogue(flash) && !is_erased(flash.first(storage::kImageHeaderSize)))
-    throw sim::InputError(file, 0, "contents without a catalogue of items", kExpected);
+    throw InputError(file, 0, "contents without a catalogue of items", kExpected);
   if (!has_record(log) && !is_nearly_erased(log))
-    throw sim::InputError(file, 0, "a log without a single record", kExpected);
+    throw InputError(file, 0, "a log without a single record", kExpected);
 }
 
 std::byte* map(int file_number) {
@@ -109,14 +109,13 @@ FlashMemory::FlashMemory(std::span<const std::byte> contents, const std::filesys
   hal::FileDescriptor opened;
   if (!file.empty()) {
     opened = hal::FileDescriptor(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
-    if (opened.number() < 0)
-      throw sim::InputError(file, 0, std::strerror(errno), "a file that can be written");
+    if (opened.number() < 0) throw InputError(file, 0, std::strerror(errno), "a file that can be written");
     fresh = make_long_enough(file);
   }
   bytes_.reset(map(opened.number()));
   if (!fresh && has_old_slots(bytes())) {
-    throw sim::InputError(file, 0, "items in slots of 6 KiB, as an earlier version stored them",
-                          "a storage of this version, or no file yet");
+    throw InputError(file, 0, "items in slots of 6 KiB, as an earlier version stored them",
+                     "a storage of this version, or no file yet");
   }
   if (!fresh) check_origin(bytes(), file);
   std::ranges::fill(bytes().first(fresh ? kSize_bytes : kFactory_bytes), kErased);

@@ -17,7 +17,7 @@ class FlashMemory {
 
   // Starts with `contents`, which is where the factory writes them. The rest comes from the file
   // (storage::ItemStore) or is erased. Without a file the memory is volatile. Throws std::length_error if the
-  // contents do not fit and sim::InputError if the file is not a flash image that this class has written, or
+  // contents do not fit and InputError if the file is not a flash image that this class has written, or
   // one of an earlier version.
   explicit FlashMemory(std::span<const std::byte> contents, const std::filesystem::path& file = {});
 

@@ -1,5 +1,9 @@
 #include "simulation/host/in_process_host.h"
 
+#include <memory>
+
+#include "simulation/host/host_factory.h"
+
 namespace koboshi::simulation {
 
 void InProcessHost::exchange(const hal::BatchInput& input, hal::BatchOutput& output) {
@@ -7,6 +11,12 @@ void InProcessHost::exchange(const hal::BatchInput& input, hal::BatchOutput& out
   controller_.service(input.now_us);
   if (input.tick) controller_.tick(input.now_us);
   output = board_.end();
+}
+
+HostFactory in_process(const std::filesystem::path& storage_file) {
+  return [storage_file](std::span<const std::byte> contents) {
+    return std::make_unique<InProcessHost>(contents, storage_file);
+  };
 }
 
 }  // namespace koboshi::simulation

@@ -14,7 +14,7 @@
 namespace koboshi::simulation {
 
 // Runs the firmware in this process.
-class InProcessHost final : public sim::ControllerHost {
+class InProcessHost final : public sim_board::ControllerHost {
  public:
   // Storage as in FlashMemory; sensors as in hal::Board.
   explicit InProcessHost(std::span<const std::byte> storage_contents,
@@ -23,7 +23,7 @@ class InProcessHost final : public sim::ControllerHost {
       : flash_(storage_contents, storage_file), board_(storage_, sensor_nodes) {}
 
   void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override;
-  void archive(sim::StateArchive& archive) override {
+  void archive(sim_board::StateArchive& archive) override {
     archive.flash(flash_.bytes());
     archive(storage_);
     archive.in_place(board_, controller_);

@@ -10,8 +10,8 @@
 #include "hal/cortex_m/fault.h"
 #include "hal/cortex_m/mps2/wire.h"
 #include "sim_board/board/controller_host.h"
+#include "simulation/host/host_factory.h"
 #include "simulation/host/qemu_process.h"
-#include "simulation/scenario/simulation.h"
 
 namespace koboshi::simulation {
 
@@ -26,7 +26,7 @@ class FirmwareFault : public std::runtime_error {
 };
 
 // Runs the firmware as a Cortex-M4 image in QEMU (hal/cortex_m/mps2).
-class QemuHost final : public sim::ControllerHost {
+class QemuHost final : public sim_board::ControllerHost {
  public:
   // `more` are additional arguments for QEMU. Throws what QemuProcess throws, and std::length_error if the
   // contents do not fit into the storage.
@@ -35,8 +35,8 @@ class QemuHost final : public sim::ControllerHost {
 
   // Throws FirmwareFault, and what QemuProcess::ask throws. After a fault the core waits for `start`.
   void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override;
-  void archive(sim::StateArchive&) override {
-    throw sim::NotSaveable("firmware inside QEMU has no snapshots: use --controller in-process");
+  void archive(sim_board::StateArchive&) override {
+    throw sim_board::NotSaveable("firmware inside QEMU has no snapshots: use --controller in-process");
   }
   // Starts the firmware with the present storage, as the constructor does.
   void start() { ask(cortex_m::wire::Kind::kStart, 0); }

@@ -15,7 +15,7 @@
 #include <system_error>
 #include <vector>
 
-#include "sim_board/input/error.h"
+#include "base/text/error.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -31,8 +31,7 @@ std::filesystem::path find_program() {
     const std::filesystem::path candidate = std::filesystem::path(folder) / kProgram;
     if (access(candidate.c_str(), X_OK) == 0) return candidate;
   }
-  throw sim::InputError(kProgram, 0, "no such program on the PATH",
-                        "QEMU for Arm, which ./run target installs");
+  throw InputError(kProgram, 0, "no such program on the PATH", "QEMU for Arm, which ./run target installs");
 }
 
 struct Pipe {
@@ -90,7 +89,7 @@ QemuProcess::QemuProcess(const std::filesystem::path& image, int timeout_ms,
                          std::span<const std::string> more)
     : timeout_ms_(timeout_ms) {
   if (!std::filesystem::is_regular_file(image)) {
-    throw sim::InputError(image, 0, "no such file", "the Cortex-M4 image, which ./run target builds");
+    throw InputError(image, 0, "no such file", "the Cortex-M4 image, which ./run target builds");
   }
   std::vector<std::string> words = command(find_program(), image);
   words.insert(words.end(), more.begin(), more.end());

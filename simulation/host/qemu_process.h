@@ -18,7 +18,7 @@ class QemuProcess {
   static constexpr int kTimeout_ms = 30'000;
 
   // `timeout_ms` limits the time of an answer; `more` are additional arguments for QEMU. Throws
-  // sim::InputError if the image or QEMU is not found, and std::system_error if a system call fails.
+  // InputError if the image or QEMU is not found, and std::system_error if a system call fails.
   explicit QemuProcess(const std::filesystem::path& image, int timeout_ms = kTimeout_ms,
                        std::span<const std::string> more = {});
   ~QemuProcess();

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <utility>
 
+#include "base/text/error.h"
+#include "base/text/text.h"
 #include "firmware/fixed/host/convert.h"
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
 #include "simulation/model/foot.h"
 
 namespace koboshi::simulation {
@@ -18,9 +18,8 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using fixed::from_double;
-using sim::InputError;
-using sim::JointDescription;
-using sim::RobotDescription;
+using sim_board::JointDescription;
+using sim_board::RobotDescription;
 
 constexpr std::uint8_t kDrivePositionBits = 20;  // CiA 402 position unit of our drives: 2^-20 turn
 
@@ -84,7 +83,7 @@ void set_mirror(const RobotDescription& robot, std::size_t index, robot::Joint& 
   const std::string partner = other_side(described.name);
   const int found = index_of_joint(robot, partner);
   joint.mirror = robot::JointIndex(found < 0 ? static_cast<int>(index) : found);
-  const double cosine = sim::mirrored_axis(described.axis_M).dot(robot.joints[joint.mirror].axis_M);
+  const double cosine = sim_board::mirrored_axis(described.axis_M).dot(robot.joints[joint.mirror].axis_M);
   if (found >= 0 && partner != described.name && std::abs(cosine) < 1.0 - 1e-9) {
     throw InputError(robot.file, described.line,
                      "axes of " + described.name + " and " + partner + " that are no mirror images",
@@ -95,18 +94,18 @@ void set_mirror(const RobotDescription& robot, std::size_t index, robot::Joint& 
 
 // Limits of the firmware's image, checked here because the link's name and line are known.
 fixed::Mass mass_of(const RobotDescription& robot, std::size_t link) {
-  const sim::LinkDescription& described = robot.links.at(link);
+  const sim_board::LinkDescription& described = robot.links.at(link);
   const double max_kg = fixed::to_double(robot::kMaxLinkMass);
   if (described.mass_kg > max_kg) {
     throw InputError(
         robot.file, described.mass_line,
-        "a mass of " + sim::number_text(described.mass_kg) + " kg in link " + described.name,
-        "at most " + sim::number_text(max_kg) + " kg a link, the most that the firmware can represent");
+        "a mass of " + number_text(described.mass_kg) + " kg in link " + described.name,
+        "at most " + number_text(max_kg) + " kg a link, the most that the firmware can represent");
   }
   return from_double<fixed::Mass>(described.mass_kg);
 }
 
-robot::Drive drive_fields(const sim::DriveDescription& drive) {
+robot::Drive drive_fields(const sim_board::DriveDescription& drive) {
   return {.node_id = drive.node_id,
           .sign = static_cast<std::int8_t>(drive.sign),
           .position_bits = kDrivePositionBits,
@@ -131,7 +130,7 @@ class BaseFrame {
             from_double<fixed::Ratio>(v_B.z())};
   }
   Vector3d centre_of_mass_M(int link) const {
-    const sim::LinkDescription& described = robot_.links.at(static_cast<std::size_t>(link));
+    const sim_board::LinkDescription& described = robot_.links.at(static_cast<std::size_t>(link));
     return described.X_ML * described.p_LCom_L;
   }
 
@@ -182,7 +181,7 @@ void set_inertial_unit(const RobotDescription& robot, const BaseFrame& frame, ro
 
 void set_name(const RobotDescription& robot, robot::RobotModel& model) {
   if (robot.name.empty() || robot.name.size() > robot::kModelNameSize) {
-    throw InputError(robot.file, robot.line, "the robot's name '" + sim::one_line(robot.name) + "'",
+    throw InputError(robot.file, robot.line, "the robot's name '" + one_line(robot.name) + "'",
                      "a name of 1 to " + std::to_string(robot::kModelNameSize) + " letters");
   }
   std::copy(robot.name.begin(), robot.name.end(), model.name.begin());
@@ -208,7 +207,7 @@ void check_offset(const RobotDescription& robot, int line, const std::string& wh
   for (const fixed::Length length : {offset.x, offset.y, offset.z}) {
     if (fixed::abs(length) <= robot::kMaxOffset) continue;
     throw InputError(robot.file, line,
-                     what + " at more than " + sim::number_text(max_m) + " m from " + from + " along an axis",
+                     what + " at more than " + number_text(max_m) + " m from " + from + " along an axis",
                      "at most that, the most that the firmware can represent");
   }
 }

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "base/text/error.h"
 #include "firmware/fixed/host/convert.h"
-#include "sim_board/input/error.h"
 #include "simulation/model/fields.h"
 
 namespace koboshi::simulation {
@@ -16,16 +16,15 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using fixed::from_double;
-using sim::InputError;
-using sim::RobotDescription;
+using sim_board::RobotDescription;
 
 constexpr double kFlat_m = 1e-4;  // corners up to this height above the lowest one count as ground contacts
 
 // Returns the corners of the link's collision boxes at joint angle zero, in the base frame.
-std::vector<Vector3d> corners_B(const RobotDescription& robot, const sim::LinkDescription& link) {
+std::vector<Vector3d> corners_B(const RobotDescription& robot, const sim_board::LinkDescription& link) {
   const Isometry3d X_BL = robot.links.at(0).X_ML.inverse() * link.X_ML;
   std::vector<Vector3d> corners;
-  for (const sim::BoxDescription& box : link.collisions) {
+  for (const sim_board::BoxDescription& box : link.collisions) {
     for (int corner = 0; corner < 8; ++corner) {
       const Vector3d sign((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
       corners.push_back(X_BL * box.X_LG * Vector3d(0.5 * sign.cwiseProduct(box.size_m)));
@@ -57,7 +56,7 @@ Ankle find_ankle(const RobotDescription& robot, const std::string& side) {
 
 void set_sole(const RobotDescription& robot, const Ankle& ankle, robot::Foot& foot) {
   const int link = robot.joints[static_cast<std::size_t>(ankle.joint)].child;
-  const sim::LinkDescription& described = robot.links.at(static_cast<std::size_t>(link));
+  const sim_board::LinkDescription& described = robot.links.at(static_cast<std::size_t>(link));
   std::vector<Vector3d> corners = corners_B(robot, described);
   if (corners.empty()) {
     throw InputError(robot.file, described.line, "no collision box below " + ankle.name, "a sole");
@@ -75,8 +74,8 @@ void set_sole(const RobotDescription& robot, const Ankle& ankle, robot::Foot& fo
   foot.left = from_double<fixed::Length>(left->y() - ankle.p_BAnkle.y());
 }
 
-void set_sensor(const RobotDescription& robot, const Ankle& ankle, const sim::AnkleSensorDescription& sensor,
-                robot::Foot& foot) {
+void set_sensor(const RobotDescription& robot, const Ankle& ankle,
+                const sim_board::AnkleSensorDescription& sensor, robot::Foot& foot) {
   const int link = robot.joints[static_cast<std::size_t>(ankle.joint)].child;
   const Isometry3d X_BS =
       robot.links.at(0).X_ML.inverse() * robot.links.at(static_cast<std::size_t>(link)).X_ML * sensor.X_LS;
@@ -104,7 +103,7 @@ robot::Position fixed_position(const Vector3d& p_m) {
 fixed::Length body_height(const RobotDescription& robot) {
   double lowest = 0.0;
   double highest = 0.0;
-  for (const sim::LinkDescription& link : robot.links) {
+  for (const sim_board::LinkDescription& link : robot.links) {
     for (const Vector3d& corner : corners_B(robot, link)) {
       lowest = std::min(lowest, corner.z());
       highest = std::max(highest, corner.z());
@@ -126,7 +125,8 @@ void set_feet(const RobotDescription& robot, robot::RobotModel& model, std::vect
   model.scales.ankle_force = from_double<fixed::Force>(robot.left_ankle->force.resolution * kFullScaleCounts);
   model.scales.ankle_torque =
       from_double<fixed::Torque>(robot.left_ankle->torque.resolution * kFullScaleCounts);
-  const auto set_foot = [&](const char* side, const sim::AnkleSensorDescription& sensor, robot::Foot& foot) {
+  const auto set_foot = [&](const char* side, const sim_board::AnkleSensorDescription& sensor,
+                            robot::Foot& foot) {
     collect_error(errors, [&] {
       const Ankle ankle = find_ankle(robot, side);
       set_sole(robot, ankle, foot);

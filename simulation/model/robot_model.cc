@@ -11,8 +11,7 @@
 namespace koboshi::simulation {
 namespace {
 
-using sim::InputError;
-using sim::RobotDescription;
+using sim_board::RobotDescription;
 
 void write_foot(ImageWriter& writer, const robot::Foot& foot) {
   writer.quantity(foot.ankle_height);
@@ -81,10 +80,10 @@ std::optional<robot::Position> hand_tip(const RobotDescription& robot, const rob
                                         robot::JointRole elbow) {
   const auto index = model.find(elbow);
   if (!index) return std::nullopt;
-  const sim::JointDescription& joint = robot.joints.at(*index);
-  const sim::LinkDescription& link = robot.links.at(static_cast<std::size_t>(joint.child));
+  const sim_board::JointDescription& joint = robot.joints.at(*index);
+  const sim_board::LinkDescription& link = robot.links.at(static_cast<std::size_t>(joint.child));
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();
-  for (const sim::BoxDescription& box : link.collisions) {
+  for (const sim_board::BoxDescription& box : link.collisions) {
     for (int face = 0; face < 6; ++face) {
       const Eigen::Vector3d p_G =
           (face % 2 == 0 ? 0.5 : -0.5) * box.size_m[face / 2] * Eigen::Vector3d::Unit(face / 2);

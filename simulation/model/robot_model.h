@@ -6,19 +6,19 @@
 #include <string>
 #include <vector>
 
+#include "base/text/error.h"
 #include "firmware/robot/model.h"
-#include "sim_board/input/error.h"
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 
 namespace koboshi::simulation {
 
 // Returns the robot model image for the firmware. The same description gives the same bytes on every machine.
-// The order of the joints is kept. Throws sim::InputError with the robot's file for properties that a
+// The order of the joints is kept. Throws InputError with the robot's file for properties that a
 // RobotModel cannot represent.
-[[nodiscard]] std::vector<std::byte> make_robot_model(const sim::RobotDescription& robot);
+[[nodiscard]] std::vector<std::byte> make_robot_model(const sim_board::RobotDescription& robot);
 
 // Returns everything for which make_robot_model() refuses the robot, with file and line.
-[[nodiscard]] std::vector<sim::InputError> find_model_errors(const sim::RobotDescription& robot);
+[[nodiscard]] std::vector<InputError> find_model_errors(const sim_board::RobotDescription& robot);
 
 // A robot model as the firmware loads it, plus the names and points that its image does not contain.
 struct NamedModel {
@@ -31,8 +31,8 @@ struct NamedModel {
   std::array<std::optional<robot::Position>, 2> hands{};
 };
 
-// Makes the image and loads it as the firmware does. Throws sim::InputError.
-[[nodiscard]] NamedModel load_named_model(const sim::RobotDescription& robot);
+// Makes the image and loads it as the firmware does. Throws InputError.
+[[nodiscard]] NamedModel load_named_model(const sim_board::RobotDescription& robot);
 
 // Describes why the firmware rejects an image, for example "a CRC-32 that does not fit".
 [[nodiscard]] std::string describe(robot::ModelStatus status);

@@ -13,7 +13,6 @@
 namespace koboshi::simulation {
 namespace {
 
-using behaviour::Command;
 using behaviour::State;
 
 // Maximum time from a command to the telemetry of its outcome: the controller receives a frame within a
@@ -53,7 +52,7 @@ nlohmann::ordered_json velocity_json(const walk::Velocity& velocity) {
 
 }  // namespace
 
-EventLog::EventLog(const sim::Scenario& scenario, const NamedModel& model, const walk::VelocityLimits& limits)
+EventLog::EventLog(const Scenario& scenario, const NamedModel& model, const walk::VelocityLimits& limits)
     : scenario_(scenario),
       model_(model),
       limits_(limits),
@@ -70,7 +69,7 @@ void EventLog::on_bus_frame(const hal::CanFrame& frame, std::uint64_t end_us, co
   switch (frame.identifier) {
     case kCommandIdentifier:
       if (frame.size < 3) return;
-      return hear_command(static_cast<Command>(frame.data[0]),
+      return hear_command(static_cast<behaviour::Command>(frame.data[0]),
                           static_cast<std::int16_t>(canopen::load_u16(&frame.data[1])), end_us, said);
     case kVelocityIdentifier:
       if (frame.size < 6) return;
@@ -95,14 +94,15 @@ void EventLog::hear_sdo(const hal::CanFrame& frame, std::uint64_t time_us, const
   if (!is_download || canopen::load_u16(&frame.data[1]) != app::kRequestObject) return;
   const std::uint16_t value = canopen::load_u16(&frame.data[4]);
   if (frame.data[3] == 2) sdo_argument_ = static_cast<std::int16_t>(value);
-  if (frame.data[3] == 1) hear_command(static_cast<Command>(value & 0xFF), sdo_argument_, time_us, said);
+  if (frame.data[3] == 1)
+    hear_command(static_cast<behaviour::Command>(value & 0xFF), sdo_argument_, time_us, said);
 }
 
-void EventLog::hear_command(Command command, std::int16_t argument, std::uint64_t time_us,
+void EventLog::hear_command(behaviour::Command command, std::int16_t argument, std::uint64_t time_us,
                             const Telemetry& said) {
-  if (command == Command::kNone) return;
+  if (command == behaviour::Command::kNone) return;
   GivenCommand given{time_us, command, argument, {}, said.state};
-  if (command == Command::kWalk) {
+  if (command == behaviour::Command::kWalk) {
     given.velocity = velocity_.value_or(walk::Velocity{});
     reported_velocity_ = given.velocity;
     velocity_us_.reset();
@@ -125,7 +125,7 @@ void EventLog::judge(const GivenCommand& given, std::optional<behaviour::Reason>
   const std::string verb(canopen::name_of(app::kCommandNames, static_cast<std::int64_t>(given.command)));
   nlohmann::ordered_json fields{{"command", verb}};
   std::string text = verb.empty() ? fmt::format("{}", static_cast<int>(given.command)) : verb;
-  if (given.command == Command::kPlay) {
+  if (given.command == behaviour::Command::kPlay) {
     text += " " + motion_name(given.argument);
     fields["motion"] = motion_name(given.argument);
   }
@@ -179,7 +179,7 @@ void EventLog::hear_emergency(const hal::CanFrame& frame, std::uint64_t time_us)
   if (group != emergencies_.end() && time_us <= group->second.last_us + kSameEmergency_us) {
     group->second.last_us = time_us;
     if (!group->second.event) return;
-    sim::RunEvent& event = events_[*group->second.event];
+    RunEvent& event = events_[*group->second.event];
     auto& nodes = event.fields["nodes"];
     if (std::ranges::find(nodes, nlohmann::ordered_json(node)) == nodes.end()) nodes.push_back(node);
     if (nodes.size() > 1)
@@ -290,7 +290,7 @@ void EventLog::tell_state(std::uint64_t time_us, const Telemetry& said) {
 }
 
 void EventLog::observe_tick(std::uint64_t now_us, const Telemetry& said, const GroundTruth& truth,
-                            std::span<const sim::Push> pushes) {
+                            std::span<const Push> pushes) {
   now_us_ = now_us;
   said_ = said;
   truth_ = truth;
@@ -313,7 +313,7 @@ void EventLog::follow_truth(std::uint64_t now_us) {
   if (!falls_.empty() && !falls_.back().up_us && on_its_feet) falls_.back().up_us = now_us;
 }
 
-void EventLog::follow_scenario(std::uint64_t now_us, std::span<const sim::Push> pushes) {
+void EventLog::follow_scenario(std::uint64_t now_us, std::span<const Push> pushes) {
   const auto release_us = scenario_.initial.release_us;
   if (!released_ && release_us && now_us > *release_us) {
     released_ = true;
@@ -322,10 +322,9 @@ void EventLog::follow_scenario(std::uint64_t now_us, std::span<const sim::Push> 
   for (; next_push_ < pushes.size() && pushes[next_push_].at_us < now_us; ++next_push_)
     tell_push(pushes[next_push_]);
   for (std::size_t i = 0; i < begun_.size(); ++i) {
-    const sim::Fault& fault = scenario_.faults[i];
-    const nlohmann::ordered_json fields{
-        {"fault", sim::Fault::kind_names()[static_cast<std::size_t>(fault.kind)]},
-        {"target", fault.target.text}};
+    const Fault& fault = scenario_.faults[i];
+    const nlohmann::ordered_json fields{{"fault", Fault::kind_names()[static_cast<std::size_t>(fault.kind)]},
+                                        {"target", fault.target.text}};
     if (!begun_[i] && fault.at_us < now_us) {
       begun_[i] = true;
       add(fault.at_us, "scenario_fault", "The scenario's fault " + fault_text(fault) + " begins.", fields);
@@ -338,7 +337,7 @@ void EventLog::follow_scenario(std::uint64_t now_us, std::span<const sim::Push> 
   }
 }
 
-void EventLog::tell_push(const sim::Push& push) {
+void EventLog::tell_push(const Push& push) {
   const double duration_s = static_cast<double>(push.duration_us) / 1e6;
   const Eigen::Vector3d impulse_W_N_s =
       duration_s * push.mean_force_W_N(push.at_us, push.at_us + push.duration_us);
@@ -355,7 +354,7 @@ void EventLog::tell_push(const sim::Push& push) {
 std::string EventLog::motion_name(int number) const {
   const auto index = static_cast<std::size_t>(number);
   if (number >= 0 && index < scenario_.motions.size()) return scenario_.motions[index].name();
-  if (scenario_.gait && index == scenario_.motions.size()) return sim::kGaitMotion;
+  if (scenario_.gait && index == scenario_.motions.size()) return kGaitMotion;
   return fmt::format("number {}", number);
 }
 
@@ -374,14 +373,14 @@ std::string EventLog::reason_text(const Telemetry& said) const {
   return (known ? model_.joint_names[said.faulty_joint] + " " : "drive ") + fault;
 }
 
-std::string events_text(std::span<const sim::RunEvent> events) {
+std::string events_text(std::span<const RunEvent> events) {
   std::string text;
-  for (const sim::RunEvent& event : events)
+  for (const RunEvent& event : events)
     text += fmt::format("{:9.3f} s  {}\n", static_cast<double>(event.time_us) / 1e6, event.text);
   return text;
 }
 
-void EventLog::archive(sim::StateArchive& archive) {
+void EventLog::archive(sim_board::StateArchive& archive) {
   archive(events_, said_, truth_, now_us_, heard_state_, entered_us_, given_, velocity_, velocity_us_,
           reported_velocity_, sdo_argument_, last_command_, last_text_, refused_, emergencies_, falls_,
           is_down_, was_upright_, down_us_, down_by_, attempts_, cut_offs_, next_push_, begun_, ended_,

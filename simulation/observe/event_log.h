@@ -13,12 +13,12 @@
 #include "firmware/behaviour/state.h"
 #include "firmware/walk/velocity.h"
 #include "hal/port/can.h"
-#include "sim_board/record/summary.h"
-#include "sim_board/scenario/scenario.h"
 #include "simulation/model/robot_model.h"
 #include "simulation/observe/event_store.h"
 #include "simulation/observe/ground_truth.h"
 #include "simulation/observe/telemetry.h"
+#include "simulation/record/summary.h"
+#include "simulation/scenario/scenario.h"
 
 namespace koboshi::simulation {
 
@@ -27,23 +27,23 @@ namespace koboshi::simulation {
 class EventLog {
  public:
   // Scenario and model must outlive the log. `limits` are the velocity limits of the controller.
-  EventLog(const sim::Scenario& scenario, const NamedModel& model, const walk::VelocityLimits& limits = {});
+  EventLog(const Scenario& scenario, const NamedModel& model, const walk::VelocityLimits& limits = {});
 
   // Processes a frame at the end of its last bit, after `said` has been updated from it.
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t end_us, const Telemetry& said);
   // Processes a tick. `pushes` must contain all pushes that have begun, in order of time; it may contain
   // later ones.
   void observe_tick(std::uint64_t now_us, const Telemetry& said, const GroundTruth& truth,
-                    std::span<const sim::Push> pushes);
+                    std::span<const Push> pushes);
   // Adds an event that only the caller can detect.
   void add(std::uint64_t time_us, const std::string& kind, const std::string& text,
            nlohmann::ordered_json fields = nlohmann::ordered_json::object());
 
   // Returns the events in order of time. The last one is the end of the run, with the verdict as its text.
-  std::vector<sim::RunEvent> events(bool controller_is_dead = false) const;
+  std::vector<RunEvent> events(bool controller_is_dead = false) const;
   // Returns the events so far, in order of detection. A group of emergency messages still changes the text of
   // its event; the end adds others (`events`).
-  std::span<const sim::RunEvent> so_far() const { return events_.stored(); }
+  std::span<const RunEvent> so_far() const { return events_.stored(); }
   // Returns the verdict, for example "stands; fell once at 3.2 s and got up in 3.4 s; 0 faults".
   std::string verdict(bool controller_is_dead = false) const;
   // Number of times the trunk's lean has exceeded 60 degrees. A robot that starts beyond this lean has not
@@ -59,7 +59,7 @@ class EventLog {
   // Text of the latest event other than a command; empty before the first.
   const std::string& last_text() const { return last_text_; }
 
-  void archive(sim::StateArchive& archive);
+  void archive(sim_board::StateArchive& archive);
 
  private:
   struct Fall {
@@ -90,15 +90,15 @@ class EventLog {
   void tell_cut_off(std::uint64_t time_us, const Telemetry& said);
   void tell_state(std::uint64_t time_us, const Telemetry& said);
   void follow_truth(std::uint64_t now_us);
-  void follow_scenario(std::uint64_t now_us, std::span<const sim::Push> pushes);
-  void tell_push(const sim::Push& push);
+  void follow_scenario(std::uint64_t now_us, std::span<const Push> pushes);
+  void tell_push(const Push& push);
 
   std::string motion_name(int number) const;
   std::string node_name(std::uint8_t node) const;
   std::string reason_text(const Telemetry& said) const;
   std::string falls_text() const;
 
-  const sim::Scenario& scenario_;
+  const Scenario& scenario_;
   const NamedModel& model_;
   const walk::VelocityLimits limits_;
   EventStore events_;
@@ -133,6 +133,6 @@ class EventLog {
 };
 
 // Returns the events as text, one line each: "  3.210 s  The trunk is pushed ...".
-[[nodiscard]] std::string events_text(std::span<const sim::RunEvent> events);
+[[nodiscard]] std::string events_text(std::span<const RunEvent> events);
 
 }  // namespace koboshi::simulation

@@ -4,7 +4,7 @@
 
 namespace koboshi::simulation {
 
-std::optional<std::size_t> EventStore::add(const sim::RunEvent& event, const std::string& cause) {
+std::optional<std::size_t> EventStore::add(const RunEvent& event, const std::string& cause) {
   auto& of_kind = causes_[event.kind];
   const bool is_known = of_kind.contains(cause) || of_kind.size() < kMaxCauses;
   Cause& same = of_kind[is_known ? cause : std::string()];
@@ -18,8 +18,8 @@ std::optional<std::size_t> EventStore::add(const sim::RunEvent& event, const std
   return std::nullopt;
 }
 
-std::vector<sim::RunEvent> EventStore::all() const {
-  std::vector<sim::RunEvent> events = stored_;
+std::vector<RunEvent> EventStore::all() const {
+  std::vector<RunEvent> events = stored_;
   for (const auto& [kind, causes] : causes_) {
     for (const auto& [cause, same] : causes) {
       if (same.left_out > 1) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/record/summary.h"
+#include "simulation/record/summary.h"
 
 namespace koboshi::simulation {
 
@@ -24,23 +24,23 @@ class EventStore {
 
   // Adds an event. `cause` distinguishes the causes of one kind. Returns the event's index, or nothing if the
   // event is only counted.
-  std::optional<std::size_t> add(const sim::RunEvent& event, const std::string& cause);
+  std::optional<std::size_t> add(const RunEvent& event, const std::string& cause);
 
   // The stored events, in the order in which they were added.
-  std::span<const sim::RunEvent> stored() const { return stored_; }
-  sim::RunEvent& operator[](std::size_t index) { return stored_[index]; }
+  std::span<const RunEvent> stored() const { return stored_; }
+  RunEvent& operator[](std::size_t index) { return stored_[index]; }
   // Returns the stored events, and for each cause with events that are left out their count and the last
   // event.
-  std::vector<sim::RunEvent> all() const;
+  std::vector<RunEvent> all() const;
 
  private:
   struct Cause {
     std::size_t stored = 0;
     std::size_t left_out = 0;
-    sim::RunEvent last{};  // of those left out
+    RunEvent last{};  // of those left out
   };
 
-  std::vector<sim::RunEvent> stored_;
+  std::vector<RunEvent> stored_;
   std::map<std::string, std::map<std::string, Cause>> causes_;  // by kind
 };
 

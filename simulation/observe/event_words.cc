@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "base/text/text.h"
 #include "firmware/app/controller_objects.h"
-#include "sim_board/input/text.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -57,21 +57,21 @@ std::string direction_text(const Eigen::Vector3d& v_W, double heading_rad) {
   return left >= 0.0 ? "to the left" : "to the right";
 }
 
-std::string fault_text(const sim::Fault& fault) {
-  std::string text = sim::Fault::kind_names()[static_cast<std::size_t>(fault.kind)];
+std::string fault_text(const Fault& fault) {
+  std::string text = Fault::kind_names()[static_cast<std::size_t>(fault.kind)];
   switch (fault.kind) {
-    case sim::Fault::Kind::kSupplyDrop:
-      return text + " to " + sim::number_text(fault.highest_V) + " V";
-    case sim::Fault::Kind::kDriveSilent:
-    case sim::Fault::Kind::kDrivePowerLoss:
-    case sim::Fault::Kind::kEncoderBreak:
-    case sim::Fault::Kind::kDriveOverheat:
-    case sim::Fault::Kind::kAnkleStop:
+    case Fault::Kind::kSupplyDrop:
+      return text + " to " + number_text(fault.highest_V) + " V";
+    case Fault::Kind::kDriveSilent:
+    case Fault::Kind::kDrivePowerLoss:
+    case Fault::Kind::kEncoderBreak:
+    case Fault::Kind::kDriveOverheat:
+    case Fault::Kind::kAnkleStop:
       return text + " of " + fault.target.text;
-    case sim::Fault::Kind::kFramesLost:
-    case sim::Fault::Kind::kFramesCorrupted:
-    case sim::Fault::Kind::kFramesDelayed:
-    case sim::Fault::Kind::kFramesDoubled:
+    case Fault::Kind::kFramesLost:
+    case Fault::Kind::kFramesCorrupted:
+    case Fault::Kind::kFramesDelayed:
+    case Fault::Kind::kFramesDoubled:
       return fault.target.text.empty() ? text : text + " of " + fault.target.text;
     default:
       return text;

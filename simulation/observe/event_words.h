@@ -5,9 +5,9 @@
 
 #include "firmware/behaviour/state.h"
 #include "firmware/walk/velocity.h"
-#include "sim_board/scenario/scenario.h"
 #include "simulation/observe/ground_truth.h"
 #include "simulation/observe/telemetry.h"
+#include "simulation/scenario/scenario.h"
 
 namespace koboshi::simulation {
 
@@ -44,7 +44,7 @@ inline constexpr const char* kNotNoticed = "its controller has not noticed";
 // right, up or down.
 [[nodiscard]] std::string direction_text(const Eigen::Vector3d& v_W, double heading_rad);
 // Describes a fault: "drive_silent of left_knee", "supply_drop to 3 V".
-[[nodiscard]] std::string fault_text(const sim::Fault& fault);
+[[nodiscard]] std::string fault_text(const Fault& fault);
 // Formats a count with its noun: "3 faults", "1 fault".
 [[nodiscard]] std::string count_text(std::size_t count, const std::string& noun);
 

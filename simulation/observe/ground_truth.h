@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/world/foot.h"
 #include "sim_board/world/ground.h"
 #include "sim_board/world/link_tree.h"
@@ -30,7 +30,7 @@ struct GroundTruth {
   std::array<double, 2> foot_slip_m{};  // slip of each foot since it took load, by Side
   std::array<Eigen::Isometry3d, 2> X_WSole{Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()};
   // Centres of pressure: of each foot in its sole's frame, and of all loaded feet, weighted by load, in the
-  // world. Empty below a load of sim::kLoaded_N.
+  // world. Empty below a load of sim_board::kLoaded_N.
   std::array<std::optional<Eigen::Vector2d>, 2> foot_zmp_S_m;
   std::optional<Eigen::Vector3d> p_WZmp_W;
   // Height of the lowest corner of each sole above the ground, by Side.
@@ -44,11 +44,11 @@ struct GroundTruth {
 class TruthObserver {
  public:
   // The robot must outlive the observer.
-  explicit TruthObserver(const sim::RobotDescription& robot, sim::GroundDescription ground = {});
+  explicit TruthObserver(const sim_board::RobotDescription& robot, sim_board::GroundDescription ground = {});
 
   // Observes the world; call it once per tick.
-  const GroundTruth& observe(const sim::World& world, const Telemetry& telemetry);
-  void archive(sim::StateArchive& archive) { archive(anchors_, truth_); }
+  const GroundTruth& observe(const sim_board::World& world, const Telemetry& telemetry);
+  void archive(sim_board::StateArchive& archive) { archive(anchors_, truth_); }
 
  private:
   struct Anchor {
@@ -56,14 +56,14 @@ class TruthObserver {
     Eigen::Vector3d p_W = Eigen::Vector3d::Zero();  // position at which the foot took load
   };
 
-  void observe_feet(const sim::World& world);
+  void observe_feet(const sim_board::World& world);
   void observe_slip(std::size_t side);
   double pose_height_m(const Telemetry& telemetry);
 
-  const sim::RobotDescription& robot_;
-  const sim::GroundDescription ground_;
-  sim::LinkTree tree_;
-  std::array<std::optional<sim::Foot>, 2> feet_;
+  const sim_board::RobotDescription& robot_;
+  const sim_board::GroundDescription ground_;
+  sim_board::LinkTree tree_;
+  std::array<std::optional<sim_board::Foot>, 2> feet_;
   std::array<Anchor, 2> anchors_;
   std::vector<double> targets_rad_;
   std::vector<Eigen::Isometry3d> X_BLs_;  // poses of the links for the targets

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "sim_board/world/options.h"
-#include "simulation/scenario/parameters.h"
+#include "simulation/assembly/parameters.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -25,7 +25,7 @@ std::span<const double> numbers_of(const Matrix& matrix) {
 
 }  // namespace
 
-RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::BusObserver* listener,
+RunRecorder::RunRecorder(Simulation& simulation, Recorder* recorder, sim_board::BusObserver* listener,
                          Rows rows)
     : simulation_(simulation),
       recorder_(recorder),
@@ -51,15 +51,15 @@ RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::B
 }
 
 // Excludes the row of the trace, which does not outlast a tick.
-void RunRecorder::archive(sim::StateArchive& archive) {
+void RunRecorder::archive(sim_board::StateArchive& archive) {
   if (recorder_ != nullptr)
-    throw sim::NotSaveable(
+    throw sim_board::NotSaveable(
         "a simulation that is recorded into files has no snapshots: what is written stays");
   archive(telemetry_, truth_, events_, walk_, truth_now_, hash_, fell_, base_height_error_m_, foot_slip_m_);
 }
 
-std::vector<sim::TraceColumn> RunRecorder::columns(const sim::RobotDescription& robot) {
-  std::vector<sim::TraceColumn> columns;
+std::vector<TraceColumn> RunRecorder::columns(const sim_board::RobotDescription& robot) {
+  std::vector<TraceColumn> columns;
   for (const TraceFields& fields : trace_fields(robot))
     columns.insert(columns.end(), fields.columns.begin(), fields.columns.end());
   return columns;
@@ -77,7 +77,7 @@ void RunRecorder::on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_u
 
 void RunRecorder::record() {
   if (walk_) walk_->observe_sensors(simulation_.board());
-  if (simulation_.board().now_us() % sim::SimBoard::kTick_us == 0) record_tick();
+  if (simulation_.board().now_us() % sim_board::SimBoard::kTick_us == 0) record_tick();
 }
 
 void RunRecorder::record_tick() {
@@ -90,11 +90,11 @@ void RunRecorder::record_tick() {
 }
 
 void RunRecorder::hash_state() {
-  const sim::World& world = simulation_.board().world();
+  const sim_board::World& world = simulation_.board().world();
   hash_.add(simulation_.board().now_us());
   hash_.add(static_cast<std::uint8_t>(simulation_.board().drive_enable_line()));
   for (std::size_t link = 0; link < simulation_.robot().links.size(); ++link) {
-    const sim::BodyState body = world.body(static_cast<int>(link));
+    const sim_board::BodyState body = world.body(static_cast<int>(link));
     hash_.add(numbers_of(body.X_WL.matrix()));
     hash_.add(numbers_of(body.v_WCom_W));
     hash_.add(numbers_of(body.w_WL_W));
@@ -127,22 +127,22 @@ void RunRecorder::make_row() {
   if (recorder_ != nullptr) recorder_->row(simulation_.board().now_us(), row_);
 }
 
-sim::RunSummary RunRecorder::summary() const {
-  const sim::SimBoard& board = simulation_.board();
-  sim::RunSummary summary;
+RunSummary RunRecorder::summary() const {
+  const sim_board::SimBoard& board = simulation_.board();
+  RunSummary summary;
   summary.fell = fell_;
   summary.verdict = events_.verdict(board.watchdog_bitten());
   summary.falls = events_.falls();
   summary.stands = events_.stands();
   summary.events = events_.events(board.watchdog_bitten());
   summary.duration_s = 1e-6 * static_cast<double>(board.now_us());
-  summary.can_bus_load = sim::bus_load({}, board.bus().usage());
+  summary.can_bus_load = sim_board::bus_load({}, board.bus().usage());
   summary.state_hash = hash_.hex();
   // A controller that is not error active counts as a fault of its own: it may be unable to report it.
   const bool mute = board.controller_can_status().state != hal::CanErrorState::kErrorActive;
   summary.faults = telemetry_.now().emergencies + (mute ? 1 : 0) + (board.watchdog_bitten() ? 1 : 0);
   summary.solver_warnings = board.world().solver_warnings();
-  summary.stepper = sim::name_of(simulation_.scenario().physics.stepper);
+  summary.stepper = sim_board::name_of(simulation_.scenario().physics.stepper);
   summary.base_height_error_max_m = base_height_error_m_;
   summary.foot_slip_max_m = foot_slip_m_;
   if (walk_) summary.walk = walk_->summary();

@@ -5,21 +5,21 @@
 #include <vector>
 
 #include "sim_board/can/observer.h"
-#include "sim_board/record/recorder.h"
-#include "sim_board/record/state_hash.h"
-#include "sim_board/record/summary.h"
+#include "simulation/assembly/simulation.h"
 #include "simulation/observe/event_log.h"
 #include "simulation/observe/ground_truth.h"
 #include "simulation/observe/telemetry.h"
 #include "simulation/observe/trace_table.h"
 #include "simulation/observe/walk_observer.h"
-#include "simulation/scenario/simulation.h"
+#include "simulation/record/recorder.h"
+#include "simulation/record/state_hash.h"
+#include "simulation/record/summary.h"
 
 namespace koboshi::simulation {
 
 // Observes a simulation: every frame of its bus, and at each tick the state of firmware and world. Computes
 // the state hash and the summary and, with a recorder, writes trace.csv and can.log.
-class RunRecorder final : private sim::BusObserver, private Companion {
+class RunRecorder final : private sim_board::BusObserver, private Companion {
  public:
   enum class Rows {
     kForFiles,  // with a recorder
@@ -28,7 +28,7 @@ class RunRecorder final : private sim::BusObserver, private Companion {
 
   // `recorder` and `listener` may be null. The listener receives every frame after this object. All arguments
   // must outlive this object.
-  RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::BusObserver* listener = nullptr,
+  RunRecorder(Simulation& simulation, Recorder* recorder, sim_board::BusObserver* listener = nullptr,
               Rows rows = Rows::kForFiles);
   ~RunRecorder() {
     simulation_.board().bus().set_observer(nullptr);
@@ -38,7 +38,7 @@ class RunRecorder final : private sim::BusObserver, private Companion {
   RunRecorder& operator=(const RunRecorder&) = delete;
 
   // Columns of trace.csv for this robot.
-  static std::vector<sim::TraceColumn> columns(const sim::RobotDescription& robot);
+  static std::vector<TraceColumn> columns(const sim_board::RobotDescription& robot);
 
   // Observes a millisecond of the simulation, and a tick if there was one. Call it after each millisecond.
   void record();
@@ -46,8 +46,8 @@ class RunRecorder final : private sim::BusObserver, private Companion {
   void record_tick();
   // The last tick's row of the trace, in the order of columns(). Empty before the first tick, and without
   // rows.
-  std::span<const sim::TraceValue> row() const { return row_; }
-  sim::RunSummary summary() const;
+  std::span<const TraceValue> row() const { return row_; }
+  RunSummary summary() const;
   // Hash of all frames and of the state of the world at each tick, so far.
   std::uint64_t state_hash() const { return hash_.value(); }
   // Returns whether the trunk's lean has exceeded kFallen_rad.
@@ -61,22 +61,22 @@ class RunRecorder final : private sim::BusObserver, private Companion {
 
  private:
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
-  void archive(sim::StateArchive& archive) override;
+  void archive(sim_board::StateArchive& archive) override;
   void hash_state();
   void judge();
   void make_row();
 
   Simulation& simulation_;
-  sim::Recorder* recorder_;
-  sim::BusObserver* listener_;
+  Recorder* recorder_;
+  sim_board::BusObserver* listener_;
   TelemetryReader telemetry_;
   TruthObserver truth_;
   EventLog events_;
   std::optional<WalkObserver> walk_;
   const GroundTruth* truth_now_ = nullptr;
-  sim::StateHash hash_;
+  StateHash hash_;
   std::vector<TraceFields> trace_;  // empty without rows
-  std::vector<sim::TraceValue> row_;
+  std::vector<TraceValue> row_;
   bool fell_ = false;
   double base_height_error_m_ = 0.0;  // maximum while the robot stands or moves on its feet
   double foot_slip_m_ = 0.0;

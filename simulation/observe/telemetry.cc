@@ -37,8 +37,8 @@ std::int32_t signed_32(const hal::CanFrame& frame, std::size_t at) {
 }  // namespace
 
 bool has_node(const robot::RobotModel& model, std::uint8_t node_id) {
-  constexpr std::uint8_t kOthers[] = {drive::kControllerNodeId, sim::kInertialNode, sim::kLeftAnkleNode,
-                                      sim::kRightAnkleNode};
+  constexpr std::uint8_t kOthers[] = {drive::kControllerNodeId, sim_board::kInertialNode,
+                                      sim_board::kLeftAnkleNode, sim_board::kRightAnkleNode};
   const auto joints = std::span(model.joints).first(model.joint_count);
   return std::ranges::find(kOthers, node_id) != std::end(kOthers) ||
          std::ranges::any_of(joints,

@@ -56,14 +56,14 @@ struct Telemetry {
 // sensors.
 [[nodiscard]] bool has_node(const robot::RobotModel& model, std::uint8_t node_id);
 
-class TelemetryReader final : public sim::BusObserver {
+class TelemetryReader final : public sim_board::BusObserver {
  public:
   // The model must outlive the reader.
   explicit TelemetryReader(const robot::RobotModel& model);
 
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
   const Telemetry& now() const { return telemetry_; }
-  void archive(sim::StateArchive& archive) { archive(telemetry_); }
+  void archive(sim_board::StateArchive& archive) { archive(telemetry_); }
 
  private:
   static constexpr std::uint8_t kNoJoint = 0xFF;

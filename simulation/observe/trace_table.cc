@@ -14,7 +14,7 @@ namespace koboshi::simulation {
 namespace {
 
 using Sample = const TraceSample&;
-using Row = std::vector<sim::TraceValue>;
+using Row = std::vector<TraceValue>;
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
@@ -23,7 +23,7 @@ class Fields {
   // An integer, or its name from a table of names.
   template <typename Getter>
   void add_integer(const char* name, Getter get, std::span<const canopen::ValueName> names = {}) {
-    fields_.push_back({{{name, "", sim::TraceKind::kInteger, names}}, [get](Sample sample, Row& row) {
+    fields_.push_back({{{name, "", TraceKind::kInteger, names}}, [get](Sample sample, Row& row) {
                          row.emplace_back(static_cast<std::int64_t>(get(sample)));
                        }});
   }
@@ -31,7 +31,7 @@ class Fields {
   // Numbers of one unit; `get` returns at least as many of them as there are names.
   template <typename Getter>
   void add(std::initializer_list<std::string> names, const char* unit, Getter get) {
-    std::vector<sim::TraceColumn> columns;
+    std::vector<TraceColumn> columns;
     for (const std::string& name : names) columns.push_back({name, unit});
     fields_.push_back({std::move(columns), [get, count = names.size()](Sample sample, Row& row) {
                          const auto values = get(sample);
@@ -127,7 +127,7 @@ void add_joint(Fields& fields, const std::string& name, std::size_t joint) {
 
 }  // namespace
 
-std::vector<TraceFields> trace_fields(const sim::RobotDescription& robot) {
+std::vector<TraceFields> trace_fields(const sim_board::RobotDescription& robot) {
   Fields fields;
   add_controller(fields);
   add_world(fields);

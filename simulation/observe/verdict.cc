@@ -6,15 +6,15 @@
 #include <cmath>
 #include <limits>
 
+#include "base/text/user_units.h"
 #include "firmware/app/controller_objects.h"
-#include "sim_board/input/user_units.h"
 #include "simulation/observe/event_log.h"
 #include "simulation/observe/event_words.h"
 
 namespace koboshi::simulation {
 
-std::vector<sim::RunEvent> EventLog::events(bool controller_is_dead) const {
-  std::vector<sim::RunEvent> events = events_.all();
+std::vector<RunEvent> EventLog::events(bool controller_is_dead) const {
+  std::vector<RunEvent> events = events_.all();
   for (const GivenCommand& given : given_) {
     const std::string verb(canopen::name_of(app::kCommandNames, static_cast<std::int64_t>(given.command)));
     events.push_back({given.time_us,
@@ -22,13 +22,13 @@ std::vector<sim::RunEvent> EventLog::events(bool controller_is_dead) const {
                       "Command " + verb + ": no answer until the end.",
                       {{"command", verb}, {"outcome", "unanswered"}}});
   }
-  std::ranges::stable_sort(events, {}, &sim::RunEvent::time_us);
+  std::ranges::stable_sort(events, {}, &RunEvent::time_us);
   events.push_back({now_us_,
                     "end",
                     "End: " + verdict(controller_is_dead) + ".",
                     {{"state", name_of(said_.state)},
                      {"reason", name_of(said_.reason)},
-                     {"tilt_deg", std::round(10.0 * sim::kDegreesPerRad * truth_.tilt_rad) / 10.0},
+                     {"tilt_deg", std::round(10.0 * kDegreesPerRad * truth_.tilt_rad) / 10.0},
                      {"stands", stands()}}});
   return events;
 }
@@ -57,7 +57,7 @@ std::string EventLog::posture(bool controller_is_dead) const {
   }
   if (upright) return "is upright, " + state;
   if (truth_.tilt_rad > kFallen_rad) return "lies, " + state;
-  return fmt::format("leans by {:.0f} degrees, {}", sim::kDegreesPerRad * truth_.tilt_rad, state);
+  return fmt::format("leans by {:.0f} degrees, {}", kDegreesPerRad * truth_.tilt_rad, state);
 }
 
 std::string EventLog::verdict(bool controller_is_dead) const {

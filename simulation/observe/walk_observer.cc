@@ -10,7 +10,7 @@
 namespace koboshi::simulation {
 namespace {
 
-constexpr double kTick_s = 1e-6 * static_cast<double>(sim::SimBoard::kTick_us);
+constexpr double kTick_s = 1e-6 * static_cast<double>(sim_board::SimBoard::kTick_us);
 // Delay from a tick to the time at which its targets take effect; they are reached one tick later
 // (docs/design/timing.md). A tick computes targets for the end of its cycle, so at the k-th tick of a motion
 // the drives follow the motion at k ticks minus this delay.
@@ -28,11 +28,11 @@ Eigen::Vector2d in_sole_of(hal::Side side, const GroundTruth& truth, const Telem
 
 }  // namespace
 
-WalkObserver::WalkObserver(const sim::RobotDescription& robot, const sim::Scenario& scenario, Plan plan,
+WalkObserver::WalkObserver(const sim_board::RobotDescription& robot, const Scenario& scenario, Plan plan,
                            std::optional<std::uint8_t> motion)
     : plan_(std::move(plan)), motion_(motion), sensor_check_(robot, scenario) {}
 
-void WalkObserver::observe_sensors(const sim::SimBoard& board) {
+void WalkObserver::observe_sensors(const sim_board::SimBoard& board) {
   if (walking_) {
     sensor_check_.observe(board);
     energy_J_ += board.drawn_J() - drawn_J_;
@@ -84,7 +84,7 @@ void WalkObserver::follow(const GroundTruth& truth) {
 // Detects steps: a step lasts from a foot's lift-off to its touchdown.
 void WalkObserver::follow_steps(const GroundTruth& truth) {
   for (std::size_t side = 0; side < lift_m_.size(); ++side) {
-    if (truth.foot_load_N[side] < sim::kLoaded_N) {
+    if (truth.foot_load_N[side] < sim_board::kLoaded_N) {
       lift_m_[side] = std::max(lift_m_[side], truth.foot_height_m[side]);
     } else if (lift_m_[side] > 0.0) {
       lifts_m_.push_back(lift_m_[side]);
@@ -114,10 +114,10 @@ Eigen::Vector3d WalkObserver::displacement() const {
   return {moved_m.x(), moved_m.y(), yaw_rad_ - start_yaw_rad_};
 }
 
-std::optional<sim::WalkSummary> WalkObserver::summary() const {
+std::optional<WalkSummary> WalkObserver::summary() const {
   if (!begun_) return std::nullopt;
   const Eigen::Vector3d moved = displacement();
-  sim::WalkSummary summary;
+  WalkSummary summary;
   summary.distance_m = moved.x();
   summary.speed_m_per_s = ticks_ > 0 ? moved.x() / (kTick_s * ticks_) : 0.0;
   summary.lateral_drift_m = moved.y();

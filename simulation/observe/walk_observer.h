@@ -5,13 +5,13 @@
 #include <optional>
 #include <vector>
 
-#include "sim_board/record/summary.h"
 #include "simulation/gait/gait_plan.h"
 #include "simulation/observe/ground_truth.h"
 #include "simulation/observe/statistics.h"
 #include "simulation/observe/telemetry.h"
 #include "simulation/observe/zmp_alignment.h"
 #include "simulation/observe/zmp_sensor_check.h"
+#include "simulation/record/summary.h"
 
 namespace koboshi::simulation {
 
@@ -25,11 +25,11 @@ class WalkObserver {
 
   // `motion` is the controller's index of the gait's motion; without it, only walks by command are evaluated.
   // The robot must outlive the observer.
-  WalkObserver(const sim::RobotDescription& robot, const sim::Scenario& scenario, Plan plan = {},
+  WalkObserver(const sim_board::RobotDescription& robot, const Scenario& scenario, Plan plan = {},
                std::optional<std::uint8_t> motion = {});
 
   // Observes the ankle sensors; call it after each millisecond of the board.
-  void observe_sensors(const sim::SimBoard& board);
+  void observe_sensors(const sim_board::SimBoard& board);
   // Observes a tick; call it after each tick.
   void observe_tick(const GroundTruth& truth, const Telemetry& said);
 
@@ -40,9 +40,9 @@ class WalkObserver {
   // Zero before the walk.
   Eigen::Vector3d displacement() const;
   // Empty before the walk begins.
-  std::optional<sim::WalkSummary> summary() const;
+  std::optional<WalkSummary> summary() const;
 
-  void archive(sim::StateArchive& archive) {
+  void archive(sim_board::StateArchive& archive) {
     archive(begun_, walking_, ticks_, planned_, start_W_m_, start_yaw_rad_, now_W_m_, yaw_rad_, drawn_J_,
             energy_J_, zmp_error_, roll_rad_, margins_m_, lift_m_, lifts_m_, sensor_check_);
   }

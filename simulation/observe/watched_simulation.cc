@@ -4,7 +4,7 @@
 
 namespace koboshi::simulation {
 
-WatchedSimulation::WatchedSimulation(const sim::Scenario& scenario, const HostFactory& make_host)
+WatchedSimulation::WatchedSimulation(const Scenario& scenario, const HostFactory& make_host)
     : simulation_(scenario, make_host) {
   observe();
 }
@@ -15,7 +15,7 @@ WatchedSimulation::WatchedSimulation(std::shared_ptr<const PreparedScenario> pre
 }
 
 void WatchedSimulation::observe() {
-  sim::BusObserver& frames = *this;
+  sim_board::BusObserver& frames = *this;
   recorder_.emplace(simulation_, nullptr, &frames);
 }
 

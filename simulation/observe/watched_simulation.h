@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "sim_board/can/observer.h"
-#include "sim_board/scenario/scenario.h"
+#include "simulation/assembly/simulation.h"
 #include "simulation/observe/run_recorder.h"
-#include "simulation/scenario/simulation.h"
+#include "simulation/scenario/scenario.h"
 
 namespace koboshi::simulation {
 
@@ -21,16 +21,16 @@ struct BusFrame {
 
 // A simulation with its observers: telemetry, ground truth, events, verdict and, on request, the frames of
 // its bus. Sufficient for programs that only run a robot.
-class WatchedSimulation final : private sim::BusObserver {
+class WatchedSimulation final : private sim_board::BusObserver {
  public:
   // Throws as Simulation does.
-  explicit WatchedSimulation(const sim::Scenario& scenario, const HostFactory& make_host = in_process());
+  explicit WatchedSimulation(const Scenario& scenario, const HostFactory& make_host = in_process());
   WatchedSimulation(std::shared_ptr<const PreparedScenario> prepared, std::uint64_t seed);
   WatchedSimulation(const WatchedSimulation&) = delete;
   WatchedSimulation& operator=(const WatchedSimulation&) = delete;
 
-  // Advances by this many milliseconds, also beyond the scenario's duration. Throws sim::WorldBlewUp,
-  // sim::SdoFailed, and what the host throws.
+  // Advances by this many milliseconds, also beyond the scenario's duration. Throws sim_board::WorldBlewUp,
+  // SdoFailed, and what the host throws.
   void step(std::size_t milliseconds);
 
   // Restarts simulation and observers with another seed (Simulation::reset).

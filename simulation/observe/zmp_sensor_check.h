@@ -4,10 +4,10 @@
 #include <optional>
 
 #include "sim_board/board/sim_board.h"
-#include "sim_board/scenario/scenario.h"
 #include "sim_board/sensor/ankle_zmp.h"
 #include "sim_board/world/foot.h"
 #include "simulation/observe/statistics.h"
+#include "simulation/scenario/scenario.h"
 
 namespace koboshi::simulation {
 
@@ -22,18 +22,18 @@ class ZmpSensorCheck {
   static constexpr double kMinLoad_N = 2.0;
 
   // The robot must outlive the check.
-  ZmpSensorCheck(const sim::RobotDescription& robot, const sim::Scenario& scenario);
+  ZmpSensorCheck(const sim_board::RobotDescription& robot, const Scenario& scenario);
 
   // Compares the present state; call it at most once after each step of the board's physics.
-  void observe(const sim::SimBoard& board);
+  void observe(const sim_board::SimBoard& board);
   // RMS distance of the two ZMPs; NaN if no foot was loaded.
   double rms_m() const { return error_.value(); }
-  void archive(sim::StateArchive& archive) { archive(sensors_, error_); }
+  void archive(sim_board::StateArchive& archive) { archive(sensors_, error_); }
 
  private:
-  const sim::RobotDescription& robot_;
-  std::array<std::optional<sim::Foot>, 2> feet_;
-  std::array<std::optional<sim::AnkleZmp>, 2> sensors_;
+  const sim_board::RobotDescription& robot_;
+  std::array<std::optional<sim_board::Foot>, 2> feet_;
+  std::array<std::optional<sim_board::AnkleZmp>, 2> sensors_;
   RootMeanSquare error_;
 };
 

@@ -5,9 +5,9 @@
 
 #include <vector>
 
-#include "sim_board/scenario/paths.h"
-#include "sim_board/scenario/reader.h"
-#include "simulation/scenario/operator_input.h"
+#include "simulation/assembly/operator_input.h"
+#include "simulation/scenario/paths.h"
+#include "simulation/scenario/reader.h"
 
 namespace py = pybind11;
 
@@ -25,13 +25,13 @@ std::vector<double> numbers_of(const py::handle& vector) { return vector.cast<st
 
 }  // namespace
 
-sim::Scenario read(const std::filesystem::path& file, const std::optional<std::uint64_t>& seed,
-                   const std::optional<std::string>& stepper, const py::dict& set) {
-  std::vector<sim::Override> overrides;
+Scenario read(const std::filesystem::path& file, const std::optional<std::uint64_t>& seed,
+              const std::optional<std::string>& stepper, const py::dict& set) {
+  std::vector<Override> overrides;
   for (const auto& [path, value] : set) overrides.push_back({py::str(path), yaml_of(value), "set"});
   if (seed) overrides.push_back({"seed", std::to_string(*seed), "seed"});
   if (stepper) overrides.push_back({"physics.stepper", *stepper, "stepper"});
-  return sim::read_scenario(sim::find_input(sim::InputKind::kScenario, file), overrides);
+  return read_scenario(find_input(InputKind::kScenario, file), overrides);
 }
 
 void give_command(Simulation& simulation, const std::string& verb, const py::object& value,

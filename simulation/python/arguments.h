@@ -7,15 +7,15 @@
 #include <optional>
 #include <string>
 
-#include "sim_board/scenario/scenario.h"
-#include "simulation/scenario/simulation.h"
+#include "simulation/assembly/simulation.h"
+#include "simulation/scenario/scenario.h"
 
-// The arguments of the Python module, as the scenario readers take them. All of them throw sim::InputError.
+// The arguments of the Python module, as the scenario readers take them. All of them throw InputError.
 namespace koboshi::simulation {
 
 // Reads a scenario; `set` has the paths and values of the keys to override.
-sim::Scenario read(const std::filesystem::path& file, const std::optional<std::uint64_t>& seed,
-                   const std::optional<std::string>& stepper, const pybind11::dict& set);
+Scenario read(const std::filesystem::path& file, const std::optional<std::uint64_t>& seed,
+              const std::optional<std::string>& stepper, const pybind11::dict& set);
 
 // Gives a command with one value or with fields, not both.
 void give_command(Simulation& simulation, const std::string& verb, const pybind11::object& value,

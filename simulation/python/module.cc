@@ -15,15 +15,15 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
-#include "sim_board/scenario/operator_pc.h"
+#include "base/text/error.h"
+#include "base/text/text.h"
 #include "sim_board/world/world.h"
 #include "simulation/batch/batch.h"
 #include "simulation/batch/parallel.h"
 #include "simulation/observe/watched_simulation.h"
 #include "simulation/python/arguments.h"
 #include "simulation/python/observation.h"
+#include "simulation/scenario/operator_pc.h"
 
 namespace py = pybind11;
 
@@ -266,7 +266,7 @@ A structured array with the fields time_us (end of the last bit), identifier, si
           "events",
           [](PySimulation& self) {
             std::vector<std::pair<double, std::string>> events;
-            for (const sim::RunEvent& event : self.idle().recorder().events().events())
+            for (const RunEvent& event : self.idle().recorder().events().events())
               events.emplace_back(1e-6 * static_cast<double>(event.time_us), event.text);
             return events;
           },
@@ -355,13 +355,13 @@ threads: number of threads; default: one per core.)")
 PYBIND11_MODULE(koboshi, module) {
   module.doc() = "Koboshi: the firmware of a small humanoid robot on its simulated board.";
   PYBIND11_NUMPY_DTYPE(FrameRecord, time_us, identifier, size, remote, data);
-  py::register_exception<sim::InputError>(module, "InputError", PyExc_ValueError).doc() =
+  py::register_exception<InputError>(module, "InputError", PyExc_ValueError).doc() =
       "Invalid file or value: file, line, what was found and what was expected.";
   // Bad arguments and files that cannot be opened are input errors, too.
   py::register_exception_translator([](std::exception_ptr pointer) {
     const auto raise = [](const std::exception& error) {
       const py::object type = py::module_::import("koboshi").attr("InputError");
-      PyErr_SetString(type.ptr(), sim::utf8_text(error.what()).c_str());
+      PyErr_SetString(type.ptr(), utf8_text(error.what()).c_str());
     };
     try {
       std::rethrow_exception(pointer);
@@ -371,9 +371,9 @@ PYBIND11_MODULE(koboshi, module) {
       raise(error);
     }
   });
-  py::register_exception<sim::WorldBlewUp>(module, "WorldBlewUp", PyExc_RuntimeError).doc() =
+  py::register_exception<sim_board::WorldBlewUp>(module, "WorldBlewUp", PyExc_RuntimeError).doc() =
       "The physics state gained energy or is no longer finite.";
-  py::register_exception<sim::SdoFailed>(module, "SdoFailed", PyExc_RuntimeError).doc() =
+  py::register_exception<SdoFailed>(module, "SdoFailed", PyExc_RuntimeError).doc() =
       "The controller rejected a value.";
   const ObservationTypes types = define_observations(module);
   define_simulation(module, types);

@@ -62,13 +62,13 @@ template <typename Numbers>
 auto by_link(Numbers numbers) {
   return [numbers](const WatchedSimulation& world, double* to) {
     for (std::size_t link = 0; link < links(world); ++link) {
-      const sim::BodyState body = world.simulation().board().world().body(static_cast<int>(link));
+      const sim_board::BodyState body = world.simulation().board().world().body(static_cast<int>(link));
       for (const double number : numbers(body)) *to++ = number;
     }
   };
 }
 
-sim::JointState true_joint(const WatchedSimulation& world, std::size_t joint) {
+sim_board::JointState true_joint(const WatchedSimulation& world, std::size_t joint) {
   return world.simulation().board().world().joint(static_cast<int>(joint));
 }
 
@@ -183,11 +183,11 @@ const std::vector<Field>& truth_fields() {
       {"link_position_m",
        {kLinks, 3},
        "origins of the links in the world, now",
-       by_link([](const sim::BodyState& body) -> Eigen::Vector3d { return body.X_WL.translation(); })},
+       by_link([](const sim_board::BodyState& body) -> Eigen::Vector3d { return body.X_WL.translation(); })},
       {"link_rotation",
        {kLinks, 3, 3},
        "rotation matrices from the links' frames to the world, now",
-       by_link([](const sim::BodyState& body) {
+       by_link([](const sim_board::BodyState& body) {
          std::array<double, 9> rows;
          for (int i = 0; i < 9; ++i) rows[static_cast<std::size_t>(i)] = body.X_WL.linear()(i / 3, i % 3);
          return rows;

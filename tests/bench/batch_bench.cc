@@ -19,8 +19,8 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/scenario/reader.h"
 #include "simulation/batch/batch.h"
+#include "simulation/scenario/reader.h"
 
 namespace {
 
@@ -50,7 +50,7 @@ void check(bool done, const char* what) {
 class Worker {
  public:
   // To be created before this process has threads.
-  Worker(const sim::Scenario& scenario, std::uint64_t seed, std::size_t milliseconds) {
+  Worker(const simulation::Scenario& scenario, std::uint64_t seed, std::size_t milliseconds) {
     check(::pipe(commands_.data()) == 0 && ::pipe(answers_.data()) == 0, "pipe failed");
     process_ = ::fork();
     check(process_ >= 0, "fork failed");
@@ -77,7 +77,7 @@ class Worker {
   }
 
  private:
-  int serve(const sim::Scenario& scenario, std::uint64_t seed, std::size_t milliseconds) {
+  int serve(const simulation::Scenario& scenario, std::uint64_t seed, std::size_t milliseconds) {
     ::close(commands_[1]);
     ::close(answers_[0]);
     simulation::Batch batch(scenario, std::array{seed}, 1);
@@ -96,7 +96,7 @@ class Worker {
 
 class Processes {
  public:
-  Processes(const sim::Scenario& scenario, std::size_t milliseconds) {
+  Processes(const simulation::Scenario& scenario, std::size_t milliseconds) {
     for (const std::uint64_t seed : kSeeds)
       workers_.push_back(std::make_unique<Worker>(scenario, seed, milliseconds));
   }
@@ -115,7 +115,7 @@ struct Times {
   std::vector<double> ratios;  // of the throughput, by repetition
 };
 
-Times compare(const sim::Scenario& scenario, int repetitions, std::size_t milliseconds) {
+Times compare(const simulation::Scenario& scenario, int repetitions, std::size_t milliseconds) {
   Processes processes(scenario, milliseconds);
   simulation::Batch batch(scenario, kSeeds, kSeeds.size());
   Times times;
@@ -134,7 +134,7 @@ Times compare(const sim::Scenario& scenario, int repetitions, std::size_t millis
   return times;
 }
 
-void print(const sim::Scenario& scenario, int repetitions, std::size_t milliseconds) {
+void print(const simulation::Scenario& scenario, int repetitions, std::size_t milliseconds) {
   const Times times = compare(scenario, repetitions, milliseconds);
   const auto prepared = std::make_shared<const simulation::PreparedScenario>(simulation::prepare(scenario));
   std::unique_ptr<simulation::WatchedSimulation> world;
@@ -159,9 +159,9 @@ void print(const sim::Scenario& scenario, int repetitions, std::size_t milliseco
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::vector<sim::Override> overrides{{"physics.stepper", argc > 1 ? argv[1] : "lumped"}};
+  const std::vector<Override> overrides{{"physics.stepper", argc > 1 ? argv[1] : "lumped"}};
   try {
-    print(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", overrides),
+    print(simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", overrides),
           argc > 2 ? std::atoi(argv[2]) : 21, argc > 3 ? static_cast<std::size_t>(std::atoi(argv[3])) : 500);
   } catch (const std::exception& error) {
     fmt::print(stderr, "batch_bench: {}\n", error.what());

@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/record/output_folder.h"
-#include "sim_board/scenario/reader.h"
+#include "base/file/output_folder.h"
+#include "simulation/assembly/simulation.h"
 #include "simulation/observe/run_recorder.h"
-#include "simulation/scenario/simulation.h"
+#include "simulation/scenario/reader.h"
 
 namespace {
 
@@ -49,7 +49,7 @@ double calibration_us() {
   return median(std::move(times_us));
 }
 
-double beside_physics_s(const sim::TimeShares& shares) {
+double beside_physics_s(const sim_board::TimeShares& shares) {
   return shares.bus_s + shares.drives_s + shares.firmware_s + shares.sensors_s;
 }
 
@@ -60,18 +60,19 @@ struct Costs {
 };
 
 Costs measure(double simulated_s, const std::filesystem::path& folder) {
-  sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml");
+  simulation::Scenario scenario = simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml");
   scenario.duration_us = static_cast<std::uint64_t>(1e6 * simulated_s);
   simulation::Simulation simulation(scenario);
-  const sim::OutputFolder out(folder);
-  sim::Recorder files(folder, simulation::RunRecorder::columns(simulation.robot()), sim::WhenFull::kWait);
+  const OutputFolder out(folder);
+  simulation::Recorder files(folder, simulation::RunRecorder::columns(simulation.robot()),
+                             simulation::WhenFull::kWait);
   simulation::RunRecorder recorder(simulation, &files);
   Costs costs;
   const auto start = Clock::now();
   double before_s = 0.0;
   while (!simulation.finished()) {
     simulation.advance();
-    if (simulation.board().now_us() % sim::SimBoard::kTick_us != 0) continue;
+    if (simulation.board().now_us() % sim_board::SimBoard::kTick_us != 0) continue;
     const double now_s = beside_physics_s(simulation.board().time_shares());
     costs.beside_physics_us.push_back(1e6 * (now_s - before_s));
     before_s = now_s;

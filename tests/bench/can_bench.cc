@@ -8,9 +8,9 @@
 #include "sim_board/can/bus_faults.h"
 #include "sim_board/can/candump_log.h"
 #include "sim_board/can/frame_bits.h"
-#include "sim_board/record/recorder.h"
+#include "simulation/record/recorder.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::size_t kDrives = 20;
@@ -117,4 +117,4 @@ void BM_RecordCycle(benchmark::State& state) {
 BENCHMARK(BM_RecordCycle)->Iterations(2000);
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "hal/linux/file_descriptor.h"
-#include "sim_board/scenario/reader.h"
-#include "simulation/scenario/simulation.h"
+#include "simulation/assembly/simulation.h"
+#include "simulation/scenario/reader.h"
 #include "tools/run/live_link.h"
 
 namespace {
@@ -37,14 +37,14 @@ double median(std::vector<double> values) {
 // A walk and what joins it to the world outside, as koboshi run has them.
 class Walk {
  public:
-  Walk(const sim::Scenario& scenario, const std::string& transport)
+  Walk(const simulation::Scenario& scenario, const std::string& transport)
       : link_(options(transport)), simulation_(scenario) {
     link_.attach(simulation_.board().bus());
   }
 
   double tick_us() {
     const auto start = Clock::now();
-    for (std::uint64_t i = 0; i < sim::SimBoard::kTick_us / sim::SimBoard::kService_us; ++i) {
+    for (std::uint64_t i = 0; i < sim_board::SimBoard::kTick_us / sim_board::SimBoard::kService_us; ++i) {
       link_.before(simulation_.board().now_us());
       simulation_.advance();
       link_.after(simulation_.board().now_us());
@@ -92,8 +92,9 @@ class Calibration {
 };
 
 void measure(const std::string& transport, const std::string& seconds) {
-  const std::vector<sim::Override> overrides{{"physics.stepper", "lumped"}, {"duration_s", seconds}};
-  const sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", overrides);
+  const std::vector<Override> overrides{{"physics.stepper", "lumped"}, {"duration_s", seconds}};
+  const simulation::Scenario scenario =
+      simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", overrides);
   Walk alone(scenario, "none");
   Walk live(scenario, transport);
   Calibration calibration;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "tools/studio/plot/plot_panel.h"
+#include "studio/plot/plot_panel.h"
 
 // Plots of the studio, with QT_QPA_PLATFORM=offscreen. A window needs 25 pictures a second for everything it
 // shows.

@@ -9,10 +9,10 @@
 #include <cstdlib>
 #include <exception>
 
-#include "sim_board/record/output_folder.h"
-#include "sim_board/scenario/reader.h"
+#include "base/file/output_folder.h"
+#include "simulation/assembly/simulation.h"
 #include "simulation/observe/run_recorder.h"
-#include "simulation/scenario/simulation.h"
+#include "simulation/scenario/reader.h"
 
 namespace {
 
@@ -22,10 +22,11 @@ using namespace koboshi;
 [[gnu::noinline]] void profiled_advance(simulation::Simulation& simulation) { simulation.advance(); }
 [[gnu::noinline]] void profiled_record(simulation::RunRecorder& recorder) { recorder.record(); }
 
-std::uint64_t play(const sim::Scenario& scenario, const char* folder) {
+std::uint64_t play(const simulation::Scenario& scenario, const char* folder) {
   simulation::Simulation simulation(scenario);
-  const sim::OutputFolder out(folder);
-  sim::Recorder files(folder, simulation::RunRecorder::columns(simulation.robot()), sim::WhenFull::kWait);
+  const OutputFolder out(folder);
+  simulation::Recorder files(folder, simulation::RunRecorder::columns(simulation.robot()),
+                             simulation::WhenFull::kWait);
   simulation::RunRecorder recorder(simulation, &files);
   while (!simulation.finished()) {
     profiled_advance(simulation);
@@ -43,8 +44,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    sim::Scenario scenario = sim::read_scenario(argv[1]);
-    const auto stepper = sim::stepper_named(argv[2]);
+    simulation::Scenario scenario = simulation::read_scenario(argv[1]);
+    const auto stepper = sim_board::stepper_named(argv[2]);
     if (!stepper) throw std::runtime_error(fmt::format("no stepper is named {}", argv[2]));
     scenario.physics.stepper = *stepper;
     scenario.duration_us = static_cast<std::uint64_t>(1e6 * std::atof(argv[3]));

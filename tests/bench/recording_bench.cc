@@ -16,11 +16,11 @@
 
 #include <fmt/core.h>
 
-#include "tools/studio/plot/series.h"
-#include "tools/studio/run/overview_reader.h"
-#include "tools/studio/run/recording_window.h"
-#include "tools/view/recording/read_recording.h"
-#include "tools/view/recording/recording_file.h"
+#include "studio/plot/series.h"
+#include "studio/run/overview_reader.h"
+#include "studio/run/recording_window.h"
+#include "view/recording/read_recording.h"
+#include "view/recording/recording_file.h"
 
 namespace {
 

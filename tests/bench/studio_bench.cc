@@ -9,11 +9,11 @@
 #include <fstream>
 #include <functional>
 
+#include "studio/motion/joint_panel.h"
+#include "studio/motion/motion_panel.h"
+#include "studio/plot/plot_panel.h"
 #include "tests/studio/window/view_fixture.h"
 #include "tests/support/large_motion.h"
-#include "tools/studio/motion/joint_panel.h"
-#include "tools/studio/motion/motion_panel.h"
-#include "tools/studio/plot/plot_panel.h"
 
 namespace koboshi::studio {
 

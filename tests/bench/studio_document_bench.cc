@@ -3,8 +3,8 @@
 #include <array>
 #include <string>
 
+#include "studio/document/motion_document.h"
 #include "tests/support/large_motion.h"
-#include "tools/studio/document/motion_document.h"
 
 // Edits of a motion of 1,000 steps with 500 poses, each with the rows after it. A motion editor needs 25 a
 // second.

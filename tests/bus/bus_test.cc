@@ -44,10 +44,10 @@ TEST_P(SdoFlood, DelaysSyncByAtMostOneFrameAndLosesNoNode) {
   }
   bench.run_ms(10);
   bench.seen.clear();
-  const sim::BusUsage before = bench.bus.usage();
+  const sim_board::BusUsage before = bench.bus.usage();
   bench.run_ms(2'000);
 
-  EXPECT_GT(sim::bus_load(before, bench.bus.usage()), 0.99);
+  EXPECT_GT(sim_board::bus_load(before, bench.bus.usage()), 0.99);
   EXPECT_EQ(bench.seen_with(kSync).size(), 200u);
   EXPECT_LE(latest_sync_us(bench), usual_us + kMaxFrame_us);
   for (std::uint16_t node = 16; node < 36; ++node) EXPECT_EQ(bench.seen_with(0x180 + node).size(), 200u);

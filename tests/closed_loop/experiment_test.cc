@@ -3,11 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim_board/scenario/reader.h"
+#include "lab/catalogue/gyro_feedback.h"
+#include "lab/experiment/report.h"
+#include "lab/trial/scenario_trial.h"
 #include "sim_board/world/foot.h"
-#include "tools/lab/catalogue/gyro_feedback.h"
-#include "tools/lab/experiment/report.h"
-#include "tools/lab/trial/scenario_trial.h"
+#include "simulation/scenario/reader.h"
 
 namespace koboshi::tools {
 namespace {
@@ -36,7 +36,7 @@ TEST(GyroFeedback, ChangesTheMotionButNotTheEstimate) {
   GyroFeedbackOptions options;
   options.scenario = kWalk;
   options.disturbed = true;
-  const sim::Scenario plain = gyro_feedback_scenario(options, 8, true);
+  const simulation::Scenario plain = gyro_feedback_scenario(options, 8, true);
   const SeededWorld world = seeded_world(plain, options, 5);
   const simulation::Simulation nominal(plain);
   const simulation::Simulation changed(world.scenario, simulation::in_process(), world.change);
@@ -48,10 +48,10 @@ TEST(GyroFeedback, ChangesTheMotionButNotTheEstimate) {
 }
 
 TEST(ScenarioTrial, ReportsWhyItEnded) {
-  const std::vector<sim::Override> overrides{{"duration_s", "1"},
-                                             {"faults", "[{at_s: 0, kind: controller_stop}]"}};
-  const sim::Scenario scenario =
-      sim::read_scenario(std::filesystem::path(KOBOSHI_SOURCE_DIR) / "scenarios/go.yaml", overrides);
+  const std::vector<Override> overrides{{"duration_s", "1"},
+                                        {"faults", "[{at_s: 0, kind: controller_stop}]"}};
+  const simulation::Scenario scenario =
+      simulation::read_scenario(std::filesystem::path(KOBOSHI_SOURCE_DIR) / "scenarios/go.yaml", overrides);
   const ScenarioTrial trial = play_scenario(scenario, {});
   EXPECT_EQ(trial.outcome, Outcome::kFailed);
   EXPECT_THAT(trial.error, testing::HasSubstr("the controller does not take"));
@@ -59,12 +59,12 @@ TEST(ScenarioTrial, ReportsWhyItEnded) {
 
 // Mean height of the corners of both soles when the robot stands by itself, just before it walks: whichever
 // way it leans, that is what the springs under the corners give.
-double mean_corner_height_m(const sim::Scenario& scenario) {
+double mean_corner_height_m(const simulation::Scenario& scenario) {
   simulation::Simulation simulation(scenario);
   while (!simulation.finished()) simulation.advance();
   double sum_m = 0.0;
   double corners = 0.0;
-  for (const auto& foot : sim::feet_of(simulation.robot())) {
+  for (const auto& foot : sim_board::feet_of(simulation.robot())) {
     const Eigen::Isometry3d X_WL = simulation.board().world().body(foot.value().link).X_WL;
     for (const Eigen::Vector3d& p_L : foot->corners_L) {
       sum_m += (X_WL * p_L).z();
@@ -75,8 +75,8 @@ double mean_corner_height_m(const sim::Scenario& scenario) {
 }
 
 TEST(SoftGround, SinksByWeightOverStiffness) {
-  const std::vector<sim::Override> overrides{{"duration_s", "3.45"}};
-  sim::Scenario scenario = sim::read_scenario(kWalk, overrides);
+  const std::vector<Override> overrides{{"duration_s", "3.45"}};
+  simulation::Scenario scenario = simulation::read_scenario(kWalk, overrides);
   const double hard_m = mean_corner_height_m(scenario);
   constexpr double kStiffness_N_per_m = 2000.0;
   constexpr double kContacts = 8.0;  // four a sole

@@ -57,15 +57,15 @@ std::vector<Row> read_rows() {
   return rows;
 }
 
-std::vector<sim::Fault> read_faults(const Row& row) {
+std::vector<simulation::Fault> read_faults(const Row& row) {
   const std::string at = fmt::format("{{at_s: {}, ", 1e-6 * kFault_us);
   std::string items;
   for (const char c : row.faults) {
     if (c == '{') items += at;
     if (c != '{' && c != '`') items += c;
   }
-  const std::vector<sim::Override> overrides{{"faults", "[" + items + "]"}};
-  return sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml", overrides).faults;
+  const std::vector<Override> overrides{{"faults", "[" + items + "]"}};
+  return simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml", overrides).faults;
 }
 
 std::string name_of(std::span<const canopen::ValueName> names, auto value) {
@@ -117,16 +117,16 @@ class FaultRun {
 
   std::string drives() const {
     return by_drive([&](std::size_t joint) -> std::string {
-      const sim::Drive& drive = run_.board().drive(joint);
+      const sim_board::Drive& drive = run_.board().drive(joint);
       if (!drive.listens()) return "dead";
       return std::string(canopen::cia402::kStateNames[static_cast<std::size_t>(drive.state())]);
     });
   }
 
  private:
-  static sim::Scenario scenario(const Row& row) {
-    sim::Scenario scenario = hanging_squat();
-    scenario.physics.stepper = sim::Stepper::kLumped;
+  static simulation::Scenario scenario(const Row& row) {
+    simulation::Scenario scenario = hanging_squat();
+    scenario.physics.stepper = sim_board::Stepper::kLumped;
     scenario.faults = read_faults(row);
     return scenario;
   }
@@ -186,11 +186,11 @@ std::string test_name(const testing::TestParamInfo<Row>& info) {
 INSTANTIATE_TEST_SUITE_P(Page, FaultMatrix, testing::ValuesIn(read_rows()), test_name);
 
 TEST(FaultMatrixPage, ListsEveryKindOfFault) {
-  std::set<sim::Fault::Kind> kinds;
+  std::set<simulation::Fault::Kind> kinds;
   for (const Row& row : read_rows()) {
-    for (const sim::Fault& fault : read_faults(row)) kinds.insert(fault.kind);
+    for (const simulation::Fault& fault : read_faults(row)) kinds.insert(fault.kind);
   }
-  EXPECT_EQ(kinds.size(), sim::Fault::kind_names().size());
+  EXPECT_EQ(kinds.size(), simulation::Fault::kind_names().size());
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace {
 using behaviour::Reason;
 using behaviour::State;
 using drive::DriveFault;
-using Kind = sim::Fault::Kind;
+using Kind = simulation::Fault::Kind;
 using DriveState = canopen::cia402::State;
 
 constexpr std::uint8_t kFirstDrive = 16;
@@ -67,9 +67,9 @@ TEST(FirmwareStops, InMidSquatAllDrivesPerformAQuickStopThenCutTheirTorque) {
 
 TEST(FirmwareStops, WatchdogLowersTheLine) {
   RobotRun run(with_fault(hanging_squat(), Kind::kControllerStop, kInMotion_us));
-  run.run_until_us(kInMotion_us + sim::SimBoard::kWatchdog_us - 1'000);
+  run.run_until_us(kInMotion_us + sim_board::SimBoard::kWatchdog_us - 1'000);
   EXPECT_TRUE(run.board().drive_enable_line());
-  run.run_until_us(kInMotion_us + sim::SimBoard::kWatchdog_us + 1'000);
+  run.run_until_us(kInMotion_us + sim_board::SimBoard::kWatchdog_us + 1'000);
   EXPECT_FALSE(run.board().drive_enable_line());
   EXPECT_TRUE(run.board().watchdog_bitten());
 }
@@ -113,8 +113,8 @@ TEST(DriveLosesPower, InMotionTheOthersStop) {
 TEST(Reset, IsProcessedInEachMillisecondOfTheCycle) {
   constexpr std::uint64_t kPeriod_us = 900'000;
   constexpr std::uint64_t kPhases = 10;
-  sim::Scenario scenario = hanging_squat();
-  scenario.physics.stepper = sim::Stepper::kLumped;
+  simulation::Scenario scenario = hanging_squat();
+  scenario.physics.stepper = sim_board::Stepper::kLumped;
   scenario.commands.clear();
   for (std::uint64_t i = 0; i < 2 * kPhases; ++i) {
     const std::uint64_t from_us = (1 + i) * kPeriod_us;
@@ -126,10 +126,11 @@ TEST(Reset, IsProcessedInEachMillisecondOfTheCycle) {
                                  .frames = {},
                                  .babble = {}});
     } else {
-      scenario.commands.push_back({.at_us = from_us, .kind = sim::Command::Kind::kEmergencyStop});
+      scenario.commands.push_back({.at_us = from_us, .kind = simulation::Command::Kind::kEmergencyStop});
     }
     const std::uint64_t phase_us = i % kPhases * 1'000;
-    scenario.commands.push_back({.at_us = from_us + 200'000 + phase_us, .kind = sim::Command::Kind::kReset});
+    scenario.commands.push_back(
+        {.at_us = from_us + 200'000 + phase_us, .kind = simulation::Command::Kind::kReset});
   }
   RobotRun run(scenario);
   for (std::uint64_t i = 0; i < 2 * kPhases; ++i) {
@@ -185,16 +186,17 @@ TEST(BusWithoutAcknowledgement, InMotionTheDrivesStopAutonomously) {
 
 // Each second, dozens of frames are lost, duplicated, delayed or retransmitted while the robot walks.
 TEST(BadBus, DoesNotStopAWalkingRobot) {
-  const std::vector<sim::Override> faults{
+  const std::vector<Override> faults{
       {"faults",
        "[{at_s: 2, kind: frames_lost, share: 0.01}, {at_s: 2, kind: frames_doubled, share: 0.01},"
        " {at_s: 2, kind: frames_corrupted, share: 0.02},"
        " {at_s: 2, kind: frames_delayed, share: 0.02, delay_ms: 3}]"},
       {"physics.stepper", "lumped"}};
-  sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", faults);
+  simulation::Scenario scenario =
+      simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", faults);
   scenario.initial.release_us = kRelease_us;
-  scenario.commands = {{.at_us = kEnable_us, .kind = sim::Command::Kind::kEnable},
-                       {.at_us = 2'000'000, .kind = sim::Command::Kind::kPlay, .motion = 0}};
+  scenario.commands = {{.at_us = kEnable_us, .kind = simulation::Command::Kind::kEnable},
+                       {.at_us = 2'000'000, .kind = simulation::Command::Kind::kPlay, .motion = 0}};
   RobotRun run(scenario);
   run.run_until_us(2'000'000);
   const Eigen::Vector3d start_W = run.board().world().body(0).X_WL.translation();
@@ -213,7 +215,7 @@ TEST(BadBus, DoesNotStopAWalkingRobot) {
 
 TEST(EmergencyStop, InMidSquatCutsAllTorqueAtOnce) {
   auto scenario = quick_squat();
-  scenario.commands.push_back({.at_us = kMidSquat_us, .kind = sim::Command::Kind::kEmergencyStop});
+  scenario.commands.push_back({.at_us = kMidSquat_us, .kind = simulation::Command::Kind::kEmergencyStop});
   RobotRun run(scenario);
   run.run_until_us(kMidSquat_us);
   ASSERT_EQ(run.torque_count(), 20);
@@ -227,7 +229,7 @@ TEST(EmergencyStop, InMidSquatCutsAllTorqueAtOnce) {
 
 TEST(EmergencyStop, EndsByResetAndTheRobotEnablesAgain) {
   auto scenario = hanging_squat();
-  using CommandKind = sim::Command::Kind;
+  using CommandKind = simulation::Command::Kind;
   scenario.commands.push_back({.at_us = 2'000'000, .kind = CommandKind::kEmergencyStop});
   scenario.commands.push_back({.at_us = 2'200'000, .kind = CommandKind::kEnable});
   scenario.commands.push_back({.at_us = 2'400'000, .kind = CommandKind::kReset});

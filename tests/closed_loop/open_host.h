@@ -12,7 +12,7 @@ namespace koboshi::test {
 inline constexpr std::uint8_t kController = 1;  // node id of the controller
 
 // Runs the firmware in this process and exposes its state, also while the bus is down.
-class OpenHost final : public sim::ControllerHost {
+class OpenHost final : public sim_board::ControllerHost {
  public:
   explicit OpenHost(std::span<const std::byte> storage_contents) : storage_(filled(storage_contents)) {}
 
@@ -22,7 +22,7 @@ class OpenHost final : public sim::ControllerHost {
     if (input.tick) controller_.tick(input.now_us);
     output = board_.end();
   }
-  void archive(sim::StateArchive& archive) override {
+  void archive(sim_board::StateArchive& archive) override {
     archive(storage_);
     archive.in_place(board_, controller_);
   }

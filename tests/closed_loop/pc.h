@@ -4,13 +4,13 @@
 #include <functional>
 
 #include "sim_board/can/transport/transport.h"
-#include "simulation/scenario/simulation.h"
+#include "simulation/assembly/simulation.h"
 
 namespace koboshi::test {
 
 // A PC on the bus of a simulation, for tools that use a transport. The simulation advances while the PC
 // waits.
-class Pc final : public sim::Transport, private sim::BusNode {
+class Pc final : public sim_board::Transport, private sim_board::BusNode {
  public:
   // Receives the SDO answers of the node with this id. Calls `meanwhile` after each millisecond. All
   // arguments must outlive the PC.
@@ -19,7 +19,7 @@ class Pc final : public sim::Transport, private sim::BusNode {
       : simulation_(simulation),
         node_id_(node_id),
         meanwhile_(std::move(meanwhile)),
-        handle_(simulation.board().bus().attach(*this, sim::AcceptanceFilter::all(), 64)) {}
+        handle_(simulation.board().bus().attach(*this, sim_board::AcceptanceFilter::all(), 64)) {}
 
   bool send(const hal::CanFrame& frame, std::uint64_t) override {
     // Only simulated time empties the controller's FIFO, so the PC advances it while it waits.
@@ -54,7 +54,7 @@ class Pc final : public sim::Transport, private sim::BusNode {
   simulation::Simulation& simulation_;
   std::uint8_t node_id_;
   std::function<void()> meanwhile_;
-  sim::NodeHandle handle_;
+  sim_board::NodeHandle handle_;
   std::deque<hal::CanFrame> heard_;
 };
 

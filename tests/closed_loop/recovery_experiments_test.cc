@@ -2,14 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include "lab/catalogue/contacts.h"
+#include "lab/catalogue/fall_detection.h"
+#include "lab/catalogue/marathon.h"
+#include "lab/catalogue/stand_up.h"
+#include "lab/experiment/report.h"
+#include "lab/trial/outcome.h"
+#include "sim_board/description/load.h"
 #include "sim_board/engine/make_world.h"
-#include "sim_board/robot/load.h"
-#include "tools/lab/catalogue/contacts.h"
-#include "tools/lab/catalogue/fall_detection.h"
-#include "tools/lab/catalogue/marathon.h"
-#include "tools/lab/catalogue/stand_up.h"
-#include "tools/lab/experiment/report.h"
-#include "tools/lab/trial/outcome.h"
 
 namespace koboshi::tools {
 namespace {
@@ -79,12 +79,12 @@ Options in_mujoco(std::size_t seeds, std::uint64_t first_seed) {
 // docs/experiment/contacts.md in short. With seed 10 a contact was 3.3 mm deep without a force, and 1 % of
 // the steps unsettled, when the lifts were set to the slips three times.
 TEST(Contacts, HoldInFallsAndInGettingUp) {
-  if (!sim::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
+  if (!sim_board::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
   const auto options = in_mujoco<ExperimentSetup>(2, 9);
   const Experiment experiment = make_contacts(options);
   const ExperimentResult result = play_experiment(experiment, {});
   const FieldTable<ContactsTrial> fields =
-      contacts_fields(sim::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf"));
+      contacts_fields(sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf"));
   for (const CellResult& cell : result.cells) {
     for (const ContactsTrial& trial : fields.trials(cell)) EXPECT_NE(trial.outcome, Outcome::kSurvived);
   }
@@ -98,7 +98,7 @@ TEST(Contacts, HoldInFallsAndInGettingUp) {
 // Two links meet at 2.5 m/s in this seed. They overlapped by 2.5 mm when a contact existed only after the
 // step in which they met.
 TEST(Contacts, SlowLinksDownBeforeTheyOverlap) {
-  if (!sim::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
+  if (!sim_board::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
   Experiment experiment = make_contacts(in_mujoco<ExperimentSetup>(1, 20096));
   const ExperimentResult result = play_experiment(experiment, {});
   const Conclusions conclusions = experiment.conclude(experiment, result);

@@ -14,10 +14,10 @@ namespace {
 using behaviour::Reason;
 using behaviour::State;
 
-sim::Scenario read(const std::string& name, const std::vector<sim::Override>& overrides = {}) {
-  sim::Scenario scenario =
-      sim::read_scenario(std::filesystem::path(KOBOSHI_SOURCE_DIR) / "scenarios" / name, overrides);
-  scenario.physics.stepper = sim::Stepper::kLumped;
+simulation::Scenario read(const std::string& name, const std::vector<Override>& overrides = {}) {
+  simulation::Scenario scenario =
+      simulation::read_scenario(std::filesystem::path(KOBOSHI_SOURCE_DIR) / "scenarios" / name, overrides);
+  scenario.physics.stepper = sim_board::Stepper::kLumped;
   return scenario;
 }
 
@@ -27,8 +27,8 @@ double tilt_deg(const RobotRun& run) {
 
 // Returns true if any link other than a foot touches the ground.
 bool lies(const RobotRun& run) {
-  const auto feet = sim::feet_of(run.board().robot());
-  for (const sim::Contact& contact : run.board().world().contacts()) {
+  const auto feet = sim_board::feet_of(run.board().robot());
+  for (const sim_board::Contact& contact : run.board().world().contacts()) {
     const bool foot = contact.link == feet[0]->link || contact.link == feet[1]->link;
     if (contact.other_link < 0 && !foot) return true;
   }
@@ -96,10 +96,10 @@ INSTANTIATE_TEST_SUITE_P(Recovery, RisesFrom,
                          [](const auto& info) { return kLyingNames[info.index]; });
 
 TEST(Recovery, EndsLimpInFaultWhenADriveDiesWhileItRises) {
-  sim::Scenario scenario = read("rise.yaml");
-  sim::Fault fault;
+  simulation::Scenario scenario = read("rise.yaml");
+  simulation::Fault fault;
   fault.at_us = 4'200'000;
-  fault.kind = sim::Fault::Kind::kDrivePowerLoss;
+  fault.kind = simulation::Fault::Kind::kDrivePowerLoss;
   fault.target = {"left_knee", "a test", 0};
   scenario.faults.push_back(fault);
   RobotRun run(scenario);

@@ -28,7 +28,7 @@ class Fnv1a {
 
 }  // namespace
 
-RobotRun::RobotRun(const sim::Scenario& scenario) : simulation_(scenario, remember_host()) {
+RobotRun::RobotRun(const simulation::Scenario& scenario) : simulation_(scenario, remember_host()) {
   board().bus().set_observer(this);
 }
 
@@ -100,31 +100,31 @@ void RobotRun::on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, 
 void RobotRun::hash_bodies() {
   Fnv1a hash(hash_);
   for (std::size_t link = 0; link < robot().links.size(); ++link) {
-    const sim::BodyState body = board().world().body(static_cast<int>(link));
+    const sim_board::BodyState body = board().world().body(static_cast<int>(link));
     hash.add(body.X_WL.matrix());
     hash.add(body.v_WCom_W);
     hash.add(body.w_WL_W);
   }
 }
 
-sim::Scenario quick_squat() {
-  sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml");
+simulation::Scenario quick_squat() {
+  simulation::Scenario scenario = simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml");
   scenario.initial.release_us = kRelease_us;
-  scenario.commands = {{.at_us = kEnable_us, .kind = sim::Command::Kind::kEnable},
-                       {.at_us = kPlay_us, .kind = sim::Command::Kind::kPlay, .motion = 0}};
+  scenario.commands = {{.at_us = kEnable_us, .kind = simulation::Command::Kind::kEnable},
+                       {.at_us = kPlay_us, .kind = simulation::Command::Kind::kPlay, .motion = 0}};
   return scenario;
 }
 
-sim::Scenario hanging_squat() {
-  sim::Scenario scenario = quick_squat();
+simulation::Scenario hanging_squat() {
+  simulation::Scenario scenario = quick_squat();
   scenario.initial.release_us.reset();
   scenario.initial.fixed_base = true;
   return scenario;
 }
 
-sim::Scenario with_fault(sim::Scenario scenario, sim::Fault::Kind kind, std::uint64_t at_us,
-                         const std::string& joint) {
-  sim::Fault fault;
+simulation::Scenario with_fault(simulation::Scenario scenario, simulation::Fault::Kind kind,
+                                std::uint64_t at_us, const std::string& joint) {
+  simulation::Fault fault;
   fault.at_us = at_us;
   fault.kind = kind;
   fault.target.text = joint;

@@ -6,14 +6,14 @@
 #include <optional>
 #include <vector>
 
-#include "sim_board/scenario/reader.h"
-#include "simulation/scenario/simulation.h"
+#include "simulation/assembly/simulation.h"
+#include "simulation/scenario/reader.h"
 #include "tests/closed_loop/open_host.h"
 
 namespace koboshi::test {
 
 // A complete run in simulated time (firmware, board and scenario) that records all bus traffic.
-class RobotRun final : private sim::BusObserver {
+class RobotRun final : private sim_board::BusObserver {
  public:
   struct Frame {
     hal::CanFrame frame;
@@ -21,7 +21,7 @@ class RobotRun final : private sim::BusObserver {
     std::uint64_t end_us;
   };
 
-  explicit RobotRun(const sim::Scenario& scenario);
+  explicit RobotRun(const simulation::Scenario& scenario);
   ~RobotRun() { board().bus().set_observer(nullptr); }
 
   void run_until_us(std::uint64_t end_us);
@@ -29,13 +29,13 @@ class RobotRun final : private sim::BusObserver {
   bool run_until(behaviour::State state, std::uint64_t limit_us);
   bool run_until(const std::function<bool()>& condition, std::uint64_t limit_us);
 
-  sim::SimBoard& board() { return simulation_.board(); }
-  const sim::SimBoard& board() const { return simulation_.board(); }
+  sim_board::SimBoard& board() { return simulation_.board(); }
+  const sim_board::SimBoard& board() const { return simulation_.board(); }
   std::uint64_t now_us() const { return board().now_us(); }
   const decltype(app::ControllerValues::behaviour)& behaviour() const {
     return host_->controller().values().behaviour;
   }
-  const sim::RobotDescription& robot() const { return simulation_.robot(); }
+  const sim_board::RobotDescription& robot() const { return simulation_.robot(); }
   std::size_t joint(const std::string& name) const;
   // Number of drives that make torque.
   int torque_count() const;
@@ -68,12 +68,12 @@ inline constexpr std::uint64_t kEnable_us = 700'000;
 inline constexpr std::uint64_t kRelease_us = 1'400'000;
 inline constexpr std::uint64_t kPlay_us = 1'500'000;
 inline constexpr std::uint64_t kMidSquat_us = 4'200'000;
-sim::Scenario quick_squat();
+simulation::Scenario quick_squat();
 // The same run, but the robot stays on its stand.
-sim::Scenario hanging_squat();
+simulation::Scenario hanging_squat();
 
 // `quick_squat` or `hanging_squat` with an added fault.
-sim::Scenario with_fault(sim::Scenario scenario, sim::Fault::Kind kind, std::uint64_t at_us,
-                         const std::string& joint = {});
+simulation::Scenario with_fault(simulation::Scenario scenario, simulation::Fault::Kind kind,
+                                std::uint64_t at_us, const std::string& joint = {});
 
 }  // namespace koboshi::test

@@ -4,10 +4,10 @@
 
 #include <cstdio>
 
-#include "sim_board/scenario/reader.h"
+#include "bus/can/sdo_transfer.h"
+#include "simulation/scenario/reader.h"
 #include "tests/closed_loop/pc.h"
 #include "tests/unit/firmware/canopen/test_node.h"
-#include "tools/can/sdo_transfer.h"
 
 namespace koboshi {
 namespace {
@@ -17,9 +17,10 @@ constexpr std::size_t kSize_bytes = 32 << 10;
 constexpr double kWanted_bytes_per_s = 10 << 10;
 
 // A CANopen node on the controller's stack, serviced at the same rate. Its domain object is 0x2100.
-class Server final : private sim::BusNode, private canopen::FrameSink {
+class Server final : private sim_board::BusNode, private canopen::FrameSink {
  public:
-  explicit Server(sim::Bus& bus) : bus_(bus), handle_(bus.attach(*this, sim::AcceptanceFilter::all(), 8)) {
+  explicit Server(sim_board::Bus& bus)
+      : bus_(bus), handle_(bus.attach(*this, sim_board::AcceptanceFilter::all(), 8)) {
     device_.bytes.bytes = canopen::counted_bytes(kSize_bytes);
     device_.node.start(bus.now_us());
   }
@@ -32,26 +33,28 @@ class Server final : private sim::BusNode, private canopen::FrameSink {
   }
   bool send(const hal::CanFrame& frame) override { return bus_.queue(handle_, frame, bus_.now_us()); }
 
-  sim::Bus& bus_;
-  sim::NodeHandle handle_;
+  sim_board::Bus& bus_;
+  sim_board::NodeHandle handle_;
   canopen::TestNode device_{kServer, canopen::kTestDescription, *this};
 };
 
 TEST(SdoUpload, ByBlocksIsFastDuringAWalk) {
-  const std::vector<sim::Override> lumped{{"physics.stepper", "lumped"}};
-  simulation::Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", lumped));
-  sim::SimBoard& board = simulation.board();
+  const std::vector<Override> lumped{{"physics.stepper", "lumped"}};
+  simulation::Simulation simulation(
+      simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", lumped));
+  sim_board::SimBoard& board = simulation.board();
   Server server(board.bus());
   test::Pc pc(simulation, kServer, [&] { server.process(); });
   pc.advance_until_us(5'000'000);  // the robot is walking
-  const sim::BusUsage before = board.bus().usage();
+  const sim_board::BusUsage before = board.bus().usage();
   const std::vector<std::uint8_t> data = tools::SdoTransfer(pc, kServer).upload({0x2100, 1});
   const double duration_s = 1e-6 * static_cast<double>(board.now_us() - before.time_us);
   const double speed_bytes_per_s = static_cast<double>(data.size()) / duration_s;
   EXPECT_EQ(data, server.bytes());
   EXPECT_GE(speed_bytes_per_s, kWanted_bytes_per_s);
-  EXPECT_LT(sim::bus_load(before, board.bus().usage()), 0.9);
-  std::printf("%.0f bytes/s, bus load %.2f\n", speed_bytes_per_s, sim::bus_load(before, board.bus().usage()));
+  EXPECT_LT(sim_board::bus_load(before, board.bus().usage()), 0.9);
+  std::printf("%.0f bytes/s, bus load %.2f\n", speed_bytes_per_s,
+              sim_board::bus_load(before, board.bus().usage()));
 }
 
 }  // namespace

@@ -12,8 +12,8 @@
 #include "sim_board/can/transport/transport_node.h"
 #include "sim_board/engine/make_world.h"
 #include "sim_board/random/random_stream.h"
-#include "sim_board/scenario/reader.h"
 #include "simulation/observe/watched_simulation.h"
+#include "simulation/scenario/reader.h"
 #include "tests/closed_loop/run.h"
 #include "tests/support/temporary_folder.h"
 
@@ -27,7 +27,8 @@ using simulation::Snapshot;
 // a block upload of a motion and abandons it.
 class Watched {
  public:
-  explicit Watched(const sim::Scenario& scenario) : simulation_(scenario), recorder_(simulation_, nullptr) {}
+  explicit Watched(const simulation::Scenario& scenario)
+      : simulation_(scenario), recorder_(simulation_, nullptr) {}
 
   // Records the state hash after each millisecond, to compare two runs.
   void run_until_ms(std::uint64_t end_ms) {
@@ -44,7 +45,7 @@ class Watched {
     for (std::uint64_t i = 1; i <= for_ms; ++i) hashes.push_back(hashes_.at(after_ms + i));
     return hashes;
   }
-  std::string summary() const { return sim::to_json(recorder_.summary()).dump(); }
+  std::string summary() const { return simulation::to_json(recorder_.summary()).dump(); }
   Simulation& simulation() { return simulation_; }
   simulation::RunRecorder& recorder() { return recorder_; }
 
@@ -68,16 +69,16 @@ class Watched {
 };
 
 // The robot on its stand, released while it squats, with faults and disturbances drawn from the seed.
-sim::Scenario adventure(sim::Stepper stepper, std::uint64_t seed) {
-  sim::RandomStream random(seed, "adventure");
-  sim::Scenario scenario = quick_squat();
+simulation::Scenario adventure(sim_board::Stepper stepper, std::uint64_t seed) {
+  sim_board::RandomStream random(seed, "adventure");
+  simulation::Scenario scenario = quick_squat();
   scenario.seed = seed;
   scenario.physics.stepper = stepper;
   const auto some_us = [&](std::uint64_t from_ms, std::uint64_t to_ms) {
     return 1000 * (from_ms + random.bits() % (to_ms - from_ms));
   };
-  const auto fault = [&](sim::Fault::Kind kind, const char* target = "") -> sim::Fault& {
-    sim::Fault fault;
+  const auto fault = [&](simulation::Fault::Kind kind, const char* target = "") -> simulation::Fault& {
+    simulation::Fault fault;
     fault.kind = kind;
     fault.target.text = target;
     fault.at_us = some_us(750, 1900);
@@ -85,18 +86,19 @@ sim::Scenario adventure(sim::Stepper stepper, std::uint64_t seed) {
     scenario.faults.push_back(fault);
     return scenario.faults.back();
   };
-  using Kind = sim::Fault::Kind;
-  fault(Kind::kFramesCorrupted).frames = {.effect = sim::FrameFault::Effect::kCorrupted, .share = 0.05};
+  using Kind = simulation::Fault::Kind;
+  fault(Kind::kFramesCorrupted).frames = {.effect = sim_board::FrameFault::Effect::kCorrupted, .share = 0.05};
   fault(Kind::kFramesDelayed).frames = {
-      .effect = sim::FrameFault::Effect::kDelayed, .share = 0.1, .delay_us = 900};
-  fault(Kind::kFramesLost, "left_knee").frames = {.effect = sim::FrameFault::Effect::kLost, .share = 0.1};
-  fault(Kind::kFramesDoubled).frames = {.effect = sim::FrameFault::Effect::kDoubled, .share = 0.1};
+      .effect = sim_board::FrameFault::Effect::kDelayed, .share = 0.1, .delay_us = 900};
+  fault(Kind::kFramesLost, "left_knee").frames = {.effect = sim_board::FrameFault::Effect::kLost,
+                                                  .share = 0.1};
+  fault(Kind::kFramesDoubled).frames = {.effect = sim_board::FrameFault::Effect::kDoubled, .share = 0.1};
   fault(Kind::kBabblingNode).babble = {.frame = {.identifier = 0x010}, .interval_us = 1300};
   fault(Kind::kAnkleStop);
   fault(Kind::kSupplyDrop).highest_V = 6.5;
   fault(Kind::kDrivePowerLoss, "head_pan");
   for (int i = 0; i < 3; ++i) {
-    sim::Push push;
+    simulation::Push push;
     push.at_us = some_us(300, 2000);
     push.duration_us = some_us(5, 60);
     push.link.text = "trunk";
@@ -109,15 +111,15 @@ sim::Scenario adventure(sim::Stepper stepper, std::uint64_t seed) {
 // Applies operator commands and disturbances for some time, so that the state differs from the snapshot.
 void spoil(Watched& watched) {
   Simulation& simulation = watched.simulation();
-  sim::SimBoard& board = simulation.board();
-  simulation.command({.kind = sim::Command::Kind::kEmergencyStop});
+  sim_board::SimBoard& board = simulation.board();
+  simulation.command({.kind = simulation::Command::Kind::kEmergencyStop});
   simulation.write({{"ankle_pitch_gain_s", {}, 0}, 0.01});
-  sim::Push push;
+  simulation::Push push;
   push.duration_us = 10'000;
   push.link.text = "trunk";
   push.force_W_N = {1.0, 2.0, 3.0};
   simulation.push(push);
-  board.add_frame_fault({.effect = sim::FrameFault::Effect::kCorrupted, .share = 0.2});
+  board.add_frame_fault({.effect = sim_board::FrameFault::Effect::kCorrupted, .share = 0.2});
   watched.run_until_ms(watched.now_ms() + 15);
   board.hang_drive(1);
   board.cut_drive_power(2);
@@ -132,12 +134,13 @@ void spoil(Watched& watched) {
   watched.run_until_ms(watched.now_ms() + 3);
 }
 
-class SnapshotInEachStepper : public testing::TestWithParam<sim::Stepper> {};
+class SnapshotInEachStepper : public testing::TestWithParam<sim_board::Stepper> {};
 
 TEST_P(SnapshotInEachStepper, ContinuesWithTheSameBitsFromAnyTime) {
-  if (GetParam() == sim::Stepper::kMujoco && !sim::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
+  if (GetParam() == sim_board::Stepper::kMujoco && !sim_board::has_mujoco())
+    GTEST_SKIP() << "built without MuJoCo";
   constexpr std::uint64_t kEnd_ms = 2100;
-  const sim::Scenario scenario = adventure(GetParam(), 7);
+  const simulation::Scenario scenario = adventure(GetParam(), 7);
   Watched whole(scenario);
   whole.run_until_ms(kEnd_ms);
 
@@ -168,7 +171,7 @@ TEST_P(SnapshotInEachStepper, ContinuesWithTheSameBitsFromAnyTime) {
 
 // Returns the memory image of board and drives without the measured wall time. A member that no archive
 // function lists would keep its value from the run in between, and the images would differ.
-std::vector<std::byte> image(const sim::SimBoard& board) {
+std::vector<std::byte> image(const sim_board::SimBoard& board) {
   std::vector<std::byte> image;
   const auto add = [&](const auto& object) {
     const auto bytes = std::as_bytes(std::span(&object, 1));
@@ -177,13 +180,13 @@ std::vector<std::byte> image(const sim::SimBoard& board) {
   add(board);
   const std::ptrdiff_t shares =
       reinterpret_cast<const std::byte*>(&board.time_shares()) - reinterpret_cast<const std::byte*>(&board);
-  std::fill_n(image.begin() + shares, sizeof(sim::TimeShares), std::byte{0});
+  std::fill_n(image.begin() + shares, sizeof(sim_board::TimeShares), std::byte{0});
   for (std::size_t joint = 0; joint < board.robot().joints.size(); ++joint) add(board.drive(joint));
   return image;
 }
 
 TEST(Snapshot, ReplacesTheStateCompletely) {
-  Watched watched(adventure(sim::Stepper::kLumped, 3));
+  Watched watched(adventure(sim_board::Stepper::kLumped, 3));
   Simulation& simulation = watched.simulation();
   watched.run_until_ms(300);
   const Snapshot early = simulation.snapshot();
@@ -200,12 +203,12 @@ TEST(Snapshot, ReplacesTheStateCompletely) {
     const std::vector<std::byte> after = image(simulation.board());
     const auto other = std::ranges::mismatch(before, after).in1 - before.begin();
     EXPECT_EQ(before, after) << "the first byte that is another: " << other << ", where the board has "
-                             << sizeof(sim::SimBoard) << " and each drive " << sizeof(sim::Drive);
+                             << sizeof(sim_board::SimBoard) << " and each drive " << sizeof(sim_board::Drive);
   }
 }
 
 TEST(Snapshot, BelongsToOneSimulationAndItsObservers) {
-  const sim::Scenario scenario = hanging_squat();
+  const simulation::Scenario scenario = hanging_squat();
   Simulation simulation(scenario), other(scenario);
   const Snapshot snapshot = simulation.snapshot();
   EXPECT_THROW(other.restore(snapshot), std::logic_error);
@@ -221,19 +224,19 @@ TEST(Snapshot, IsRejectedWithExternalProcesses) {
   Simulation simulation(hanging_squat());
   {
     const TemporaryFolder folder;
-    sim::Recorder files(folder.path, simulation::RunRecorder::columns(simulation.robot()),
-                        sim::WhenFull::kWait);
+    simulation::Recorder files(folder.path, simulation::RunRecorder::columns(simulation.robot()),
+                               simulation::WhenFull::kWait);
     const simulation::RunRecorder recorder(simulation, &files);
-    EXPECT_THROW(static_cast<void>(simulation.snapshot()), sim::NotSaveable);
+    EXPECT_THROW(static_cast<void>(simulation.snapshot()), sim_board::NotSaveable);
   }
   static_cast<void>(simulation.snapshot());
-  class : public sim::Transport {
+  class : public sim_board::Transport {
     bool send(const hal::CanFrame&, std::uint64_t) override { return true; }
     std::optional<hal::CanFrame> receive() override { return std::nullopt; }
     std::string place() const override { return "nowhere"; }
   } outside;
-  const sim::TransportNode bridge(simulation.board().bus(), outside);
-  EXPECT_THROW(static_cast<void>(simulation.snapshot()), sim::NotSaveable);
+  const sim_board::TransportNode bridge(simulation.board().bus(), outside);
+  EXPECT_THROW(static_cast<void>(simulation.snapshot()), sim_board::NotSaveable);
 }
 
 // Checks the size in the comment of Snapshot, and prints the cost of a snapshot.
@@ -260,9 +263,10 @@ TEST(Snapshot, IsSmall) {
 }
 
 TEST_P(SnapshotInEachStepper, ResetEqualsANewSimulation) {
-  if (GetParam() == sim::Stepper::kMujoco && !sim::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
+  if (GetParam() == sim_board::Stepper::kMujoco && !sim_board::has_mujoco())
+    GTEST_SKIP() << "built without MuJoCo";
   constexpr std::size_t kDuration_ms = 150;
-  sim::Scenario scenario = adventure(GetParam(), 1);
+  simulation::Scenario scenario = adventure(GetParam(), 1);
   simulation::WatchedSimulation used(scenario);
   used.step(90);
   const Snapshot snapshot = used.snapshot();
@@ -283,7 +287,7 @@ TEST_P(SnapshotInEachStepper, ResetEqualsANewSimulation) {
               std::chrono::duration<double, std::milli>(done - made).count());
   fresh.step(kDuration_ms);
   EXPECT_EQ(used.recorder().state_hash(), fresh.recorder().state_hash());
-  EXPECT_EQ(sim::to_json(used.recorder().summary()), sim::to_json(fresh.recorder().summary()));
+  EXPECT_EQ(simulation::to_json(used.recorder().summary()), simulation::to_json(fresh.recorder().summary()));
 }
 
 TEST(Reset, IsRefusedWhileObserversAreAttached) {
@@ -293,8 +297,9 @@ TEST(Reset, IsRefusedWhileObserversAreAttached) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, SnapshotInEachStepper,
-                         testing::Values(sim::Stepper::kWorld, sim::Stepper::kLumped, sim::Stepper::kMujoco),
-                         [](const auto& info) { return std::string(sim::name_of(info.param)); });
+                         testing::Values(sim_board::Stepper::kWorld, sim_board::Stepper::kLumped,
+                                         sim_board::Stepper::kMujoco),
+                         [](const auto& info) { return std::string(sim_board::name_of(info.param)); });
 
 }  // namespace
 }  // namespace koboshi::test

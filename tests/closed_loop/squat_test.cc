@@ -22,7 +22,7 @@ TEST(Squat, BootsLimpAndStandsUpOnCommandOnly) {
 
 // The limp legs drag their soles over the ground, where friction unloads the points that it acts on.
 TEST(Squat, HangsLimpOnItsStandWithCoulombsFriction) {
-  RobotRun run(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"));
+  RobotRun run(simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"));
   std::size_t touching_steps = 0;
   while (run.now_us() < 1'000'000) {
     run.run_until_us(run.now_us() + 1'000);
@@ -55,7 +55,7 @@ TEST(Squat, GoesDownByThreeCentimetresAndUpAgainWithoutFaults) {
 
 TEST(Squat, ReturnsToItsStartWhenStopped) {
   auto scenario = hanging_squat();
-  scenario.commands.push_back({.at_us = 3'600'000, .kind = sim::Command::Kind::kStop});
+  scenario.commands.push_back({.at_us = 3'600'000, .kind = simulation::Command::Kind::kStop});
   RobotRun run(scenario);
   run.run_until_us(3'600'000);
   ASSERT_EQ(run.behaviour().state, State::kMotion);

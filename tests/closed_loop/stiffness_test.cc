@@ -29,15 +29,15 @@ steps:
   - {pose: raised, time_s: 1, interpolation: minimum_jerk}
 )";
 
-sim::Scenario scenario(const std::filesystem::path& folder) {
+simulation::Scenario scenario(const std::filesystem::path& folder) {
   const auto file = folder / "release.yaml";
   write_file(file, kReleaseAnArm);
-  const std::vector<sim::Override> overrides{
+  const std::vector<Override> overrides{
       {"physics.stepper", "lumped"},
       {"initial", "{fixed_base: true}"},
       {"motions", "[robots/koboshi/motions/stand.yaml, " + file.string() + "]"},
       {"commands", "[{at_s: 2, enable: true}, {at_s: 4, play: release}]"}};
-  return sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml", overrides);
+  return simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml", overrides);
 }
 
 // Gear friction stops the arm half-way down: it hangs by 30 degrees lower.

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "bus/can/sdo_transfer.h"
 #include "firmware/app/dictionary.h"
-#include "sim_board/scenario/reader.h"
-#include "simulation/motion/compile.h"
+#include "simulation/motion_language/compile/compile.h"
+#include "simulation/scenario/reader.h"
 #include "tests/closed_loop/pc.h"
-#include "tools/can/sdo_transfer.h"
 
 namespace koboshi {
 namespace {
@@ -28,11 +28,11 @@ constexpr canopen::ObjectAddress kState{0x2001, 1};
 constexpr std::uint64_t kStanding_us = 4'000'000;
 
 // The robot of scenarios/squat.yaml with the standing motion alone.
-sim::Scenario stand() {
-  const std::vector<sim::Override> overrides{{"physics.stepper", "lumped"},
-                                             {"motions", "[robots/koboshi/motions/stand.yaml]"},
-                                             {"commands", "[{at_s: 2, enable: true}]"}};
-  return sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml", overrides);
+simulation::Scenario stand() {
+  const std::vector<Override> overrides{{"physics.stepper", "lumped"},
+                                        {"motions", "[robots/koboshi/motions/stand.yaml]"},
+                                        {"commands", "[{at_s: 2, enable: true}]"}};
+  return simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml", overrides);
 }
 
 std::vector<std::uint8_t> image_of(const std::string& motion, const simulation::Simulation& simulation) {
@@ -93,12 +93,14 @@ TEST(Storage, TrimsCompensateServoOffsets) {
   constexpr auto kTrim = static_cast<std::uint16_t>(kOff_rad / (2.0 * std::numbers::pi) * 65536.0 + 0.5);
   const std::string ankles[] = {"left_ankle_pitch", "right_ankle_pitch"};
   const auto pitch_rad = [&](bool trimmed) {
-    simulation::Simulation simulation(stand(), simulation::in_process(), [&](sim::RobotDescription& robot) {
-      for (const std::string& name : ankles) {
-        sim::JointDescription& joint = robot.joints[static_cast<std::size_t>(*robot.find_joint(name))];
-        joint.encoder.offset_rad += joint.drive.sign * kOff_rad;  // offset of the shaft
-      }
-    });
+    simulation::Simulation simulation(
+        stand(), simulation::in_process(), [&](sim_board::RobotDescription& robot) {
+          for (const std::string& name : ankles) {
+            sim_board::JointDescription& joint =
+                robot.joints[static_cast<std::size_t>(*robot.find_joint(name))];
+            joint.encoder.offset_rad += joint.drive.sign * kOff_rad;  // offset of the shaft
+          }
+        });
     test::Pc pc(simulation, kController);
     tools::SdoTransfer sdo(pc, kController);
     pc.advance_until_us(1'500'000);  // limp

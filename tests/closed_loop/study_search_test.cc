@@ -1,6 +1,6 @@
 // A search over runs of the real robot, each so short that it only boots.
 
-#include "tools/lab/tune/study_search.h"
+#include "lab/tune/study_search.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "sim_board/input/error.h"
-#include "tests/unit/sim_board/scenario/temporary_tree.h"
+#include "base/text/error.h"
+#include "tests/unit/simulation/scenario/temporary_tree.h"
 
 namespace koboshi::tools {
 namespace {
@@ -44,7 +44,7 @@ class StudySearch : public testing::Test {
     return search_study(study_, options_, [this](const SearchProgress& progress) { progress_ = progress; });
   }
 
-  sim::TemporaryTree tree_;
+  simulation::TemporaryTree tree_;
   Study study_;
   StudyOptions options_;
   SearchProgress progress_;
@@ -104,7 +104,7 @@ TEST_F(InfeasibleStudySearch, CountsInfeasibleCandidatesByTheirLimitAndContinues
 
 TEST_F(InfeasibleStudySearch, RefusesAnInfeasibleStart) {
   study_.numbers[0].start = 0.25;
-  EXPECT_THROW(static_cast<void>(search(Method::kCmaEs)), sim::InputError);
+  EXPECT_THROW(static_cast<void>(search(Method::kCmaEs)), InputError);
 }
 
 TEST_F(StudySearch, ReportsNonDominatedCandidates) {

@@ -43,8 +43,8 @@ class Timing : public testing::Test {
   static constexpr std::uint64_t kFirst_us = 3'500'000;
   static constexpr std::uint64_t kLast_us = 4'500'000;
   static inline std::unique_ptr<RobotRun> run_;
-  static inline sim::BusUsage before_;
-  static inline sim::BusUsage after_;
+  static inline sim_board::BusUsage before_;
+  static inline sim_board::BusUsage after_;
 };
 
 TEST_F(Timing, EveryCycleIsTwentyRpdosThenSyncThenTwentyAnswers) {
@@ -92,7 +92,7 @@ TEST_F(Timing, AnswersAndTelemetryArriveLongBeforeTheNextTick) {
 }
 
 TEST_F(Timing, LoadsTheBusToAboutHalf) {
-  const double load = sim::bus_load(before_, after_);
+  const double load = sim_board::bus_load(before_, after_);
   EXPECT_GE(load, 0.49);
   EXPECT_LE(load, 0.60);
   const std::uint64_t frames = after_.frames - before_.frames;

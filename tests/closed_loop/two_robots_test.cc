@@ -66,8 +66,8 @@ void write_tall_parameters(const std::filesystem::path& folder) {
   write_file(folder / "parameters.yaml", text);
 }
 
-sim::Scenario walk_of(const std::filesystem::path& robot, const std::filesystem::path& stand,
-                      const std::filesystem::path& folder) {
+simulation::Scenario walk_of(const std::filesystem::path& robot, const std::filesystem::path& stand,
+                             const std::filesystem::path& folder) {
   // The robot rests for one second before it is enabled, which the estimate of the gyro bias needs.
   write_file(folder / "walk.yaml",
              "version: 1\n"
@@ -85,7 +85,7 @@ sim::Scenario walk_of(const std::filesystem::path& robot, const std::filesystem:
                  "commands:\n"
                  "  - {at_s: 1.3, enable: true}\n"
                  "  - {at_s: 2.7, walk: {forward_m_per_s: 0.15}}\n");
-  return sim::read_scenario(folder / "walk.yaml");
+  return simulation::read_scenario(folder / "walk.yaml");
 }
 
 // Makes the robot stand, then walk for 2.5 s without a fall. Returns the distance walked along the ground.

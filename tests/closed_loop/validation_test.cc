@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "tools/lab/validate/report.h"
+#include "lab/validate/report.h"
 
 namespace koboshi::tools {
 

@@ -15,9 +15,10 @@ namespace {
 
 using behaviour::State;
 
-sim::Scenario go(const std::vector<sim::Override>& overrides = {}) {
-  sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/go.yaml", overrides);
-  scenario.physics.stepper = sim::Stepper::kLumped;
+simulation::Scenario go(const std::vector<Override>& overrides = {}) {
+  simulation::Scenario scenario =
+      simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/go.yaml", overrides);
+  scenario.physics.stepper = sim_board::Stepper::kLumped;
   return scenario;
 }
 
@@ -72,12 +73,12 @@ TEST(WalkByCommand, WalksStraightThenACurveThenStands) {
 
 // An operator's command during a run has the same effect as the same command in the scenario.
 TEST(WalkByCommand, ReplaysAnOperatorsCommands) {
-  using Kind = sim::Command::Kind;
-  sim::Scenario scenario = go();
+  using Kind = simulation::Command::Kind;
+  simulation::Scenario scenario = go();
   scenario.duration_us = 1'500'000;
   scenario.parameters = {{{"step_time_ms", scenario.file, 0}, 250.0}};
   scenario.commands = {{.at_us = 1'000'000, .kind = Kind::kStop}};
-  sim::Push push;
+  simulation::Push push;
   push.duration_us = 100'000;
   push.link.text = "trunk";
   push.force_W_N = {3.0, -1.0, 0.0};
@@ -95,7 +96,7 @@ TEST(WalkByCommand, ReplaysAnOperatorsCommands) {
   advance_until(operated, 1'500'000);
   operated_recorder.record_tick();
 
-  const sim::Scenario played = operated.played();
+  const simulation::Scenario played = operated.played();
   ASSERT_EQ(played.commands.size(), 4u);
   EXPECT_EQ(played.commands[2].kind, Kind::kStop);
   EXPECT_EQ(played.commands[3].at_us, 1'000'000u);
@@ -109,11 +110,13 @@ TEST(WalkByCommand, ReplaysAnOperatorsCommands) {
 }
 
 TEST(WalkByCommand, SendsTheVelocityBeforeTheCommand) {
-  sim::Scenario scenario = go();
+  simulation::Scenario scenario = go();
   scenario.initial.release_us.reset();
   scenario.initial.fixed_base = true;
-  scenario.commands = {
-      {.at_us = 50'000, .kind = sim::Command::Kind::kWalk, .motion = 0, .velocity = {0.15, -0.02, 0.4}}};
+  scenario.commands = {{.at_us = 50'000,
+                        .kind = simulation::Command::Kind::kWalk,
+                        .motion = 0,
+                        .velocity = {0.15, -0.02, 0.4}}};
   RobotRun run(scenario);
   run.run_until_us(60'000);
   std::vector<hal::CanFrame> told;

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/lab/catalogue/push_recovery.h"
-#include "tools/lab/catalogue/terrain.h"
-#include "tools/lab/catalogue/walking_speed.h"
-#include "tools/lab/experiment/ladder.h"
+#include "lab/catalogue/push_recovery.h"
+#include "lab/catalogue/terrain.h"
+#include "lab/catalogue/walking_speed.h"
+#include "lab/experiment/ladder.h"
 
 namespace koboshi::tools {
 namespace {

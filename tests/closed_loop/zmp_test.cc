@@ -8,7 +8,7 @@ namespace {
 
 // Returns the RMS difference between the ZMP from the ankle sensors and the ZMP of the engine's contact
 // forces, over each millisecond from `begin_us` on.
-double zmp_error_rms_m(const sim::Scenario& scenario, std::uint64_t begin_us, std::uint64_t end_us) {
+double zmp_error_rms_m(const simulation::Scenario& scenario, std::uint64_t begin_us, std::uint64_t end_us) {
   RobotRun run(scenario);
   simulation::ZmpSensorCheck check(run.robot(), scenario);
   run.run_until_us(begin_us);
@@ -19,10 +19,10 @@ double zmp_error_rms_m(const sim::Scenario& scenario, std::uint64_t begin_us, st
   return check.rms_m();
 }
 
-sim::Scenario pushed_squat() {
-  sim::Scenario scenario = quick_squat();
+simulation::Scenario pushed_squat() {
+  simulation::Scenario scenario = quick_squat();
   for (const double side : {1.0, -1.0}) {
-    sim::Push push;
+    simulation::Push push;
     push.at_us = side > 0.0 ? 3'600'000 : 4'600'000;
     push.duration_us = 100'000;
     push.link.text = "trunk";
@@ -43,14 +43,14 @@ TEST(ZmpOfAnkleSensors, EqualsThatOfTheContactForcesUnderPushes) {
 }
 
 TEST(ZmpOfAnkleSensors, EqualsThatOfTheContactForcesOnTiltedGround) {
-  sim::Scenario scenario = pushed_squat();
+  simulation::Scenario scenario = pushed_squat();
   scenario.ground.roll_rad = 0.03;
   scenario.ground.pitch_rad = -0.03;
   EXPECT_LT(zmp_error_rms_m(scenario, 3'000'000, 5'000'000), 0.001);
 }
 
 TEST(ZmpOfAnkleSensors, EqualsThatOfTheContactForcesWhileWalking) {
-  const sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml");
+  const simulation::Scenario scenario = simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml");
   const double error_m = zmp_error_rms_m(scenario, 3'500'000, 8'000'000);
   EXPECT_LT(error_m, 0.001);
   EXPECT_GT(error_m, 0.0001);  // the feet have inertia at touchdown

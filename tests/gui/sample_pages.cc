@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "tests/support/walking_recording.h"
-#include "tools/view/replay/replay_page.h"
+#include "view/replay/replay_page.h"
 
 int main(int argc, char** argv) try {
   using namespace koboshi::view;

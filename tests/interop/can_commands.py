@@ -292,7 +292,12 @@ class WithController(Files):
     def setUp(self):
         super().setUp()
         self.robot = self.start("run", "scenarios/live.yaml", "--can", BUS, "--out", self.folder / "run")
-        self.robot.stdout.readline()
+        self.robot.stdout.readline()  # about the bus
+        for _ in range(100):  # until it is limp and ready, the controller itself reads the identities
+            if run("can", "sdo", "read", 1, "2001:1", "--can", BUS).stdout.startswith("0x01"):
+                return
+            time.sleep(0.1)
+        self.fail("the robot does not get ready")
 
     def test_every_command_leaves_the_first_channel_to_it(self):
         dump = self.start("can", "dump", "--can", BUS, "--id", "610")

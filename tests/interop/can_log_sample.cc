@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "sim_board/can/bus.h"
-#include "sim_board/record/recorder.h"
+#include "simulation/record/recorder.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::uint16_t kController = 1;
@@ -112,7 +112,7 @@ void run(Bus& bus, Member& controller, std::vector<Drive>& drives) {
 
 void write_sample(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
-  Recorder recorder(folder, {}, WhenFull::kWait);
+  simulation::Recorder recorder(folder, {}, simulation::WhenFull::kWait);
   Bus bus;
   bus.set_observer(&recorder);
   Member controller(bus, AcceptanceFilter::all());
@@ -126,7 +126,7 @@ void write_sample(const std::filesystem::path& folder) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board
 
 int main(int argc, char** argv) {
   if (argc != 2) {
@@ -134,7 +134,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    koboshi::sim::write_sample(argv[1]);
+    koboshi::sim_board::write_sample(argv[1]);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

@@ -5,14 +5,15 @@
 
 #include <fmt/core.h>
 
+#include "bus/dictionary/network.h"
 #include "sim_board/can/candump_log.h"
-#include "sim_board/robot/load.h"
-#include "tools/dictionary/network.h"
+#include "sim_board/description/load.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
-  const koboshi::tools::Network network = koboshi::tools::make_network(koboshi::sim::load_robot(argv[1]));
-  koboshi::sim::CandumpReader log(argv[2]);
+  const koboshi::tools::Network network =
+      koboshi::tools::make_network(koboshi::sim_board::load_robot(argv[1]));
+  koboshi::sim_board::CandumpReader log(argv[2]);
   for (int number = 0; const auto logged = log.next(); ++number) {
     const auto* frame = std::get_if<koboshi::hal::CanFrame>(&logged->frame);
     if (frame == nullptr) continue;

@@ -10,7 +10,7 @@
 #include "hal/linux/file_descriptor.h"
 #include "sim_board/can/transport/udp_multicast.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr const char* kGroup = "239.74.163.2";
@@ -82,4 +82,4 @@ TEST(UdpMulticast, HearsNeitherOtherGroupsNorUnicast) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

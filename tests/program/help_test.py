@@ -119,8 +119,8 @@ class Help(unittest.TestCase):
                 break
         if arguments.startswith("render "):  # of a run of 0.02 s
             arguments = re.sub(r" --(from|to) \S+", "", re.sub(r"--at \S+", "--at 0.01", arguments))
-        if arguments.startswith("experiment ") and "--out" not in arguments:
-            arguments += f" --out runs/{next(FOLDERS)}"  # examples of one experiment run in parallel
+        if arguments.startswith(("experiment ", "run ")) and "--out" not in arguments:
+            arguments += f" --out runs/{next(FOLDERS)}"  # examples with one folder run in parallel
         if re.match(r"can (sdo|nmt|send)", arguments):
             arguments += " --can socketcan:vcan_none"
         command = f"exec {shlex.quote(str(PROGRAM.path))} {arguments}"

@@ -21,7 +21,7 @@ TELEOP = support.ROOT / "scenarios" / "teleop.yaml"
 
 
 def samples_of(message):
-    """Counts the samples of batches (tools/view/live/batch.h), with those that the page was too slow for."""
+    """Counts the samples of batches (view/live/batch.h), with those that the page was too slow for."""
     count = 0
     while message:
         size, text_size, samples = struct.unpack("<3I", message[:12])

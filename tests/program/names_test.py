@@ -81,6 +81,7 @@ class Names(unittest.TestCase):
             shutil.copy(PROGRAM.path, program)
         for name in ("robots", "scenarios"):
             shutil.copytree(support.ROOT / name, prefix / "share" / "koboshi" / name)
+            (self.here / name).mkdir()  # a repository of its own, because that of the sources may be around it
         own = prefix / "share" / "koboshi" / "scenarios" / "walk.yaml"
         own.rename(own.with_name("installed.yaml"))
         names = self.accept("manual", "names", "scenario", program=program).split()

@@ -78,7 +78,7 @@ class Plot(unittest.TestCase):
             next(text for text in LIBRARY.read_text().split("\n") if 'exponent="1.836"' in text))
         for expected, arguments in (
                 ("--type: found tail, expected ", [LIBRARY, "--type", "tail", "--out", out]),
-                ("nothing.xml: found .*, expected an XML file", ["nothing.xml", "--out", out]),
+                ("nothing.xml: found no such file, and no robot of this name in .*, expected ", ["nothing.xml", "--out", out]),
                 (f"{re.escape(str(bad))}:{line}: found exponent = 99, expected a number from 0.1 to 20", [bad, "--out", out]),
                 (f"{re.escape(str(file))}: found a file, expected a folder", [LIBRARY, "--out", file])):
             result = PROGRAM.run("servo", "plot", *arguments)

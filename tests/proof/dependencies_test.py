@@ -5,7 +5,9 @@ import re
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-FOLDERS = ("hal", "firmware", "sim_board", "simulation", "tools", "tests")
+# Each folder of the root may include those before it, within the rules below.
+FOLDERS = ("base", "hal", "firmware", "sim_board", "simulation", "bus", "view", "tools", "lab", "studio", "cli", "tests")
+MOST_SOURCES = 32  # in a folder
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
 
 # Standard headers that do not use heap, floating point, streams or exceptions.
@@ -34,11 +36,17 @@ RULES = [
     (r"firmware/storage/", (r"hal/port/", r"firmware/(storage|fixed)/(?!host/)"), FIRMWARE_STANDARD),
     (r"firmware/canopen/", (r"hal/port/", r"firmware/(canopen|storage|fixed)/(?!host/)"), FIRMWARE_STANDARD),
     (r"firmware/", (r"hal/port/", r"firmware/(?!\w+/host/)"), FIRMWARE_STANDARD),
-    (r"sim_board/can/transport/", (r"hal/(port|linux)/", r"firmware/canopen/", r"sim_board/"), ANY),
-    (r"sim_board/servo/", (r"sim_board/(random|robot|servo|state|world)/",), ANY),
-    (r"sim_board/", (r"hal/(port|lockstep)/", r"firmware/(canopen|storage)/", r"sim_board/"), ANY),
-    (r"simulation/", (r"hal/", r"firmware/", r"sim_board/", r"simulation/"), ANY),
-    (r"tools/", (r"hal/", r"firmware/", r"sim_board/", r"simulation/", r"tools/"), ANY),
+    (r"base/", (r"base/",), ANY),
+    (r"sim_board/can/transport/", (r"base/", r"hal/(port|linux)/", r"firmware/canopen/", r"sim_board/"), ANY),
+    (r"sim_board/servo/", (r"sim_board/(random|description|servo|state|world)/",), ANY),
+    (r"sim_board/", (r"base/", r"hal/(port|lockstep)/", r"firmware/(canopen|storage)/", r"sim_board/"), ANY),
+    (r"simulation/", (r"base/", r"hal/", r"firmware/", r"sim_board/", r"simulation/"), ANY),
+    (r"bus/", (r"(base|hal|firmware|sim_board|simulation|bus)/",), ANY),
+    (r"view/", (r"(base|hal|firmware|sim_board|simulation|bus|view)/",), ANY),
+    (r"tools/", (r"(base|hal|firmware|sim_board|simulation|bus|view|tools)/",), ANY),
+    (r"lab/", (r"(base|hal|firmware|sim_board|simulation|bus|view|tools|lab)/",), ANY),
+    (r"studio/", (r"(base|hal|firmware|sim_board|simulation|bus|view|tools|studio)/",), ANY),
+    (r"cli/", (r"(base|hal|firmware|sim_board|simulation|bus|view|tools|lab|cli)/",), ANY),
     (r"tests/", (r"",), ANY),
 ]
 
@@ -64,8 +72,65 @@ def sources():
     return [path for folder in FOLDERS for path in sorted((ROOT / folder).rglob("*")) if path.suffix in {".h", ".cc"}]
 
 
+def included_folders(files):
+    """Maps each folder to the other folders that its files include. `files`: pairs of a path and its text."""
+    folders = {}
+    for path, text in files:
+        folder = str(pathlib.PurePosixPath(path).parent)
+        included = {str(pathlib.PurePosixPath(header).parent) for bracket, header in INCLUDE.findall(text) if bracket != "<"}
+        folders.setdefault(folder, set()).update(included - {folder, "."})
+    return folders
+
+
+def circle(folders):
+    """Returns folders of which each includes the next, and the last the first; empty if there are none."""
+    left = dict(folders)
+    while True:  # folders that include none of those left are in no circle
+        ends = [folder for folder, included in left.items() if not any(other in left for other in included)]
+        if not ends:
+            break
+        for folder in ends:
+            del left[folder]
+    path = []
+    folder = min(left, default=None)
+    while folder is not None and folder not in path:
+        path.append(folder)
+        folder = min(other for other in left[folder] if other in left)
+    return path[path.index(folder):] if path else []
+
+
+def listed_folders(text):
+    """The folders below the root that the list of docs/design/architecture.md names."""
+    block = re.search(r"^## Folders\n+```\n(.*?)^```", text, re.MULTILINE | re.DOTALL).group(1)
+    found, root = set(), None
+    for line in block.splitlines():
+        if name := re.match(r"(\w+)/ ", line):
+            root = name.group(1)
+            line = line[name.end():]
+        if name := re.match(r" *(\w+)/ ", line):
+            found.add(f"{root}/{name.group(1)}")
+    return found
+
+
 class Sources(unittest.TestCase):
     maxDiff = None
+
+    def test_have_no_circle_of_folders(self):
+        files = [(path.relative_to(ROOT).as_posix(), path.read_text()) for path in sources()]
+        self.assertEqual(circle(included_folders(file for file in files if not file[0].startswith("tests/"))), [])
+
+    def test_are_few_in_every_folder(self):
+        counts = {}
+        for path in sources():
+            counts[path.parent] = counts.get(path.parent, 0) + 1
+        full = {folder.relative_to(ROOT).as_posix(): n for folder, n in counts.items() if n > MOST_SOURCES}
+        self.assertEqual(full, {})
+
+    def test_are_in_the_folders_of_the_architecture(self):
+        listed = listed_folders((ROOT / "docs/design/architecture.md").read_text())
+        second = {"/".join(path.relative_to(ROOT).parts[:2]) for path in sources() if len(path.relative_to(ROOT).parts) > 2}
+        there = {folder for folder in second if not folder.startswith(("tests/", "cli/"))}
+        self.assertEqual({folder for folder in listed if not folder.startswith(("tests/", "tools/dev"))}, there)
 
     def test_include_only_what_they_may_know(self):
         found = [line for path in sources() for line in violations(path.relative_to(ROOT).as_posix(), path.read_text())]
@@ -93,7 +158,7 @@ class Checker(unittest.TestCase):
         ("firmware/programs/mps2/x.cc", '#include "sim_board/can/node.h"'),
         ("firmware/app/x.cc", '#include "sim_board/can/node.h"'),
         ("firmware/app/x.cc", '#include "firmware/fixed/host/convert.h"'),
-        ("firmware/storage/x.cc", '#include "firmware/canopen/node.h"'),
+        ("firmware/storage/x.cc", '#include "firmware/canopen/node/node.h"'),
         ("firmware/storage/x.cc", '#include "firmware/robot/model.h"'),
         ("firmware/canopen/x.cc", '#include "firmware/robot/model.h"'),
         ("firmware/canopen/x.cc", '#include "firmware/fixed/host/convert.h"'),
@@ -110,11 +175,11 @@ class Checker(unittest.TestCase):
         ("sim_board/servo/x.cc", '#include "sim_board/can/node.h"'),
         ("sim_board/servo/x.cc", '#include "sim_board/drive/drive.h"'),
         ("sim_board/servo/x.cc", '#include "firmware/canopen/cia402.h"'),
-        ("sim_board/board/x.cc", '#include "tools/cli/run.h"'),
+        ("sim_board/board/x.cc", '#include "cli/run.h"'),
         ("sim_board/board/x.cc", '#include "tests/support/model.h"'),
         ("sim_board/board/x.cc", '#include "board.h"'),
         ("sim_board/board/x.cc", '#include "sim_board/board/no_such_file.h"'),
-        ("tools/cli/x.cc", '#include "tests/support/model.h"'),
+        ("cli/x.cc", '#include "tests/support/model.h"'),
     ]
     ALLOWED = [
         ("hal/port/x.h", '#include "hal/port/can.h"\n#include <array>'),
@@ -125,9 +190,13 @@ class Checker(unittest.TestCase):
         ("firmware/canopen/x.cc", '#include "firmware/storage/item_store.h"'),
         ("sim_board/storage/x.cc", '#include "firmware/storage/item_store.h"'),
         ("sim_board/world/x.cc", '#include "hal/port/can.h"\n#include <ode/ode.h>\n#include <vector>'),
-        ("tools/cli/x.cc", '#include "firmware/fixed/quantity.h"\n#include "sim_board/can/node.h"'),
+        ("cli/x.cc", '#include "firmware/fixed/quantity.h"\n#include "sim_board/can/node.h"'),
         ("tests/unit/x.cc", '#include "sim_board/can/node.h"\n#include <gtest/gtest.h>'),
     ]
+
+    def test_finds_a_circle(self):
+        self.assertEqual(circle({"a": {"b"}, "b": {"c"}, "c": {"b"}}), ["b", "c"])
+        self.assertEqual(circle({"a": {"b", "c"}, "b": {"c"}, "c": set()}), [])
 
     def test_finds_every_violation(self):
         for path, text in self.FORBIDDEN:

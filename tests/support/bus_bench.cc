@@ -22,9 +22,9 @@ constexpr double kSupply_V = 7.4;
 
 // --- A controller
 
-BusBench::Unit::Unit(sim::Bus& bus, double clock_rate)
+BusBench::Unit::Unit(sim_board::Bus& bus, double clock_rate)
     : bus_(bus),
-      handle_(bus.attach(*this, sim::AcceptanceFilter::all(), kTransmitFifo)),
+      handle_(bus.attach(*this, sim_board::AcceptanceFilter::all(), kTransmitFifo)),
       clock_rate_(clock_rate),
       begin_us_(bus.now_us()),
       storage_([] {
@@ -78,7 +78,7 @@ void BusBench::Unit::serve(std::uint64_t now_us) {
 
 // --- The bench
 
-BusBench::BusBench(double clock_rate) : pc_handle_(bus.attach(pc_, sim::AcceptanceFilter(), 64)) {
+BusBench::BusBench(double clock_rate) : pc_handle_(bus.attach(pc_, sim_board::AcceptanceFilter(), 64)) {
   const std::vector<std::byte> image = encode(make_test_robot());
   if (robot::load_model(image, model_) != robot::ModelStatus::kOk) std::abort();
   bus.set_observer(this);
@@ -87,7 +87,7 @@ BusBench::BusBench(double clock_rate) : pc_handle_(bus.attach(pc_, sim::Acceptan
     add_drive(joint, model_.joints[joint].drive.serial_number);
 }
 
-sim::Drive& BusBench::add_drive(std::size_t like_joint, std::uint32_t serial_number) {
+sim_board::Drive& BusBench::add_drive(std::size_t like_joint, std::uint32_t serial_number) {
   const robot::Drive& like = model_.joints[like_joint].drive;
   auto joint = std::make_unique<Joint>();
   joint->description.name = "joint " + std::to_string(drives_.size());
@@ -96,7 +96,7 @@ sim::Drive& BusBench::add_drive(std::size_t like_joint, std::uint32_t serial_num
                               .vendor_id = like.vendor_id,
                               .product_code = like.product_code,
                               .serial_number = serial_number};
-  joint->drive = std::make_unique<sim::Drive>(joint->description, bus);
+  joint->drive = std::make_unique<sim_board::Drive>(joint->description, bus);
   joint->drive->power_on(now_us_);
   return *drives_.emplace_back(std::move(joint))->drive;
 }
@@ -123,7 +123,7 @@ void BusBench::update_drives() {
     joint->drive->draw(joint->shaft);
     joint->drive->torque(kSupply_V);
     if (joint->drive->makes_torque())
-      joint->shaft.position_rad = joint->drive->values().position_demand * sim::kRadPerPositionUnit;
+      joint->shaft.position_rad = joint->drive->values().position_demand * sim_board::kRadPerPositionUnit;
   }
 }
 

@@ -24,7 +24,7 @@ namespace koboshi::test {
 //   bench.run_ms(1'000);
 //   EXPECT_EQ(bench.controller().state(), behaviour::State::kStanding);
 //
-class BusBench final : private sim::BusObserver {
+class BusBench final : private sim_board::BusObserver {
  public:
   struct SeenFrame {
     hal::CanFrame frame;
@@ -33,14 +33,14 @@ class BusBench final : private sim::BusObserver {
   };
 
   // A controller and its board. The firmware is serviced each millisecond of the controller's own clock.
-  class Unit final : private sim::BusNode {
+  class Unit final : private sim_board::BusNode {
    public:
-    Unit(sim::Bus& bus, double clock_rate);
+    Unit(sim_board::Bus& bus, double clock_rate);
 
     const app::ControllerValues& values() const { return controller_.values(); }
     behaviour::State state() const { return values().behaviour.state; }
     bool drive_enable_line() const { return output_.drive_enabled; }
-    sim::NodeHandle handle() const { return handle_; }
+    sim_board::NodeHandle handle() const { return handle_; }
     // Bus time of the next service call, in microseconds.
     std::uint64_t next_us() const;
     void serve(std::uint64_t now_us);
@@ -51,8 +51,8 @@ class BusBench final : private sim::BusObserver {
     void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
     void feed_sensors();
 
-    sim::Bus& bus_;
-    sim::NodeHandle handle_;
+    sim_board::Bus& bus_;
+    sim_board::NodeHandle handle_;
     double clock_rate_;
     std::uint64_t begin_us_;
     std::uint64_t services_ = 0;
@@ -78,12 +78,12 @@ class BusBench final : private sim::BusObserver {
   Unit& add_controller() { return *units_.emplace_back(std::make_unique<Unit>(bus, 1.0)); }
   // Powers on an additional drive with the node id and identity of the drive of `like_joint`, but with this
   // serial number.
-  sim::Drive& add_drive(std::size_t like_joint, std::uint32_t serial_number);
-  sim::Drive& drive(std::size_t number) { return *drives_[number]->drive; }
+  sim_board::Drive& add_drive(std::size_t like_joint, std::uint32_t serial_number);
+  sim_board::Drive& drive(std::size_t number) { return *drives_[number]->drive; }
   std::size_t drive_count() const { return drives_.size(); }
   int count_in(canopen::cia402::State state) const;
-  void add_babbler(const sim::Babble& babble) {
-    babblers_.push_back(std::make_unique<sim::Babbler>(bus, babble));
+  void add_babbler(const sim_board::Babble& babble) {
+    babblers_.push_back(std::make_unique<sim_board::Babbler>(bus, babble));
   }
   // Sends a frame from a PC.
   void say(const hal::CanFrame& frame);
@@ -96,16 +96,16 @@ class BusBench final : private sim::BusObserver {
   std::vector<SeenFrame> seen_with(std::uint16_t identifier) const;
 
   // --- State for tests to inspect ---
-  sim::Bus bus;
+  sim_board::Bus bus;
   std::vector<SeenFrame> seen;  // all frames on the bus; tests may clear it
 
  private:
   struct Joint {
-    sim::JointDescription description;
-    sim::JointState shaft;
-    std::unique_ptr<sim::Drive> drive;
+    sim_board::JointDescription description;
+    sim_board::JointState shaft;
+    std::unique_ptr<sim_board::Drive> drive;
   };
-  struct Pc final : sim::BusNode {
+  struct Pc final : sim_board::BusNode {
     void on_frame(const hal::CanFrame&, std::uint64_t) override {}
   };
 
@@ -116,9 +116,9 @@ class BusBench final : private sim::BusObserver {
   robot::RobotModel model_;
   std::vector<std::unique_ptr<Unit>> units_;
   std::vector<std::unique_ptr<Joint>> drives_;
-  std::vector<std::unique_ptr<sim::Babbler>> babblers_;
+  std::vector<std::unique_ptr<sim_board::Babbler>> babblers_;
   Pc pc_;
-  sim::NodeHandle pc_handle_;
+  sim_board::NodeHandle pc_handle_;
   std::uint64_t now_us_ = 0;
   std::uint64_t drives_due_us_ = 0;
 };

@@ -5,9 +5,9 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "sim_board/scenario/reader.h"
-#include "simulation/motion/diagnostic.h"
+#include "simulation/motion_language/parse/diagnostic.h"
 #include "simulation/observe/watched_simulation.h"
+#include "simulation/scenario/reader.h"
 #include "tests/support/random_motion.h"
 
 namespace koboshi::test {
@@ -19,7 +19,7 @@ bool falls(const std::filesystem::path& motion, const Physics& physics, double d
   const std::filesystem::path scenario = motion.parent_path() / (motion.stem().string() + "_scenario.yaml");
   const double end_s = kTrialPlay_s + duration_s + kAfter_s;
   std::ofstream(scenario) << trial_scenario(motion, physics.stepper, end_s, physics.step_ms);
-  simulation::WatchedSimulation run(sim::read_scenario(scenario));
+  simulation::WatchedSimulation run(simulation::read_scenario(scenario));
   const auto end_us = static_cast<std::uint64_t>(1e6 * end_s);
   while (run.now_us() < end_us && !run.recorder().fell()) run.step(10);
   const simulation::EventLog& events = run.recorder().events();

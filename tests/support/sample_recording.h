@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "tools/view/recording/recording.h"
+#include "view/recording/recording.h"
 
 namespace koboshi::test {
 

@@ -1,6 +1,6 @@
 #include "tests/support/sample_robots.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 Eigen::Matrix3d box_inertia(double mass_kg, const Eigen::Vector3d& size_m) {
@@ -113,4 +113,4 @@ RobotDescription sample_humanoid() {
   return builder.robot;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

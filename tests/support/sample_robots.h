@@ -1,8 +1,8 @@
 #pragma once
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Hand-made robots for tests of the physics, without a file.
 
@@ -26,4 +26,4 @@ RobotDescription sample_hinge(const HingeRig& rig);
 inline constexpr double kSampleHumanoidHeight_m = 0.17;
 RobotDescription sample_humanoid();
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

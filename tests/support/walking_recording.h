@@ -1,7 +1,7 @@
 #pragma once
 
-#include "tools/dictionary/network.h"
-#include "tools/view/recording/recording.h"
+#include "bus/dictionary/network.h"
+#include "view/recording/recording.h"
 
 namespace koboshi::view {
 

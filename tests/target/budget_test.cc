@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "firmware/behaviour/state.h"
-#include "sim_board/scenario/reader.h"
+#include "simulation/assembly/simulation.h"
 #include "simulation/host/qemu_host.h"
 #include "simulation/observe/run_recorder.h"
-#include "simulation/scenario/simulation.h"
+#include "simulation/scenario/reader.h"
 
 namespace koboshi::tools {
 namespace {
@@ -26,7 +26,7 @@ struct Ticks {
 
 Ticks measure(std::uint64_t duration_us) {
   simulation::QemuHost* host = nullptr;
-  simulation::Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"),
+  simulation::Simulation simulation(simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"),
                                     [&](std::span<const std::byte> contents) {
                                       auto made =
                                           std::make_unique<simulation::QemuHost>(KOBOSHI_IMAGE, contents);

@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "firmware/behaviour/state.h"
-#include "sim_board/scenario/reader.h"
+#include "simulation/assembly/simulation.h"
+#include "simulation/assembly/storage_contents.h"
 #include "simulation/host/qemu_host.h"
-#include "simulation/scenario/simulation.h"
-#include "simulation/scenario/storage_contents.h"
+#include "simulation/scenario/reader.h"
 
 namespace koboshi::tools {
 namespace {
@@ -89,7 +89,7 @@ TEST_F(Fault, LeavesStorageIntactAndRestartsTheFirmware) {
 // A fault while the robot stands with torque on all joints.
 TEST(FaultWhileStanding, PullsTheDriveEnableLineLowAndKeepsTheState) {
   simulation::QemuHost* host = nullptr;
-  simulation::Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"),
+  simulation::Simulation simulation(simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"),
                                     [&](std::span<const std::byte> contents) {
                                       auto made =
                                           std::make_unique<simulation::QemuHost>(KOBOSHI_IMAGE, contents);

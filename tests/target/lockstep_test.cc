@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "sim_board/scenario/reader.h"
+#include "simulation/assembly/storage_contents.h"
 #include "simulation/host/in_process_host.h"
 #include "simulation/host/qemu_host.h"
-#include "simulation/scenario/storage_contents.h"
+#include "simulation/scenario/reader.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/run/run.h"
 
@@ -14,7 +14,7 @@ namespace koboshi::tools {
 namespace {
 
 void expect_same_bytes(const char* scenario) {
-  RunOptions options{.scenario = sim::read_scenario(scenario), .out = {}};
+  RunOptions options{.scenario = simulation::read_scenario(scenario), .out = {}};
   options.scenario.duration_us = 10'000'000;
   const test::TemporaryFolder folder;
   options.out = folder.path / "host";

@@ -14,8 +14,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/text/error.h"
 #include "hal/cortex_m/mps2/wire.h"
-#include "sim_board/input/error.h"
 #include "simulation/host/qemu_host.h"
 
 namespace koboshi::tools {
@@ -89,7 +89,7 @@ TEST(QemuProcess, ReportsWhenQemuDoesNotAnswer) {
 TEST(QemuProcess, RejectsAMissingImage) {
   EXPECT_THAT(
       [] { simulation::QemuProcess("no/such.elf"); },
-      ThrowsMessage<sim::InputError>(
+      ThrowsMessage<InputError>(
           "no/such.elf: found no such file, expected the Cortex-M4 image, which ./run target builds"));
 }
 
@@ -97,7 +97,7 @@ TEST(QemuProcess, RejectsAMissingQemu) {
   const std::string path = getenv("PATH");
   setenv("PATH", "/nowhere:", 1);
   EXPECT_THAT([] { simulation::QemuProcess(KOBOSHI_IMAGE); },
-              ThrowsMessage<sim::InputError>(HasSubstr("which ./run target installs")));
+              ThrowsMessage<InputError>(HasSubstr("which ./run target installs")));
   setenv("PATH", path.c_str(), 1);
 }
 

@@ -31,7 +31,7 @@ PARTS = {
     "sim_board/storage": "drives",
     "sim_board/sensor": "sensors",
     "sim_board/random": None,  # for whoever draws
-    "sim_board/record": "recording",
+    "simulation/record": "recording",
     "simulation/observe": "recording",
     "sim_board": "board",
     "simulation": "board",
@@ -40,7 +40,7 @@ PARTS = {
     "firmware": "firmware",
 }
 # Functions whose part is not that of their library.
-NAMED = ((re.compile(r"sim::(Collider|HeightFieldContact)::|sim::Soles::|sim::HeldSole::"), "contact"),)
+NAMED = ((re.compile(r"sim_board::(Collider|HeightFieldContact)::|sim_board::Soles::|sim_board::HeldSole::"), "contact"),)
 COLLECTED = ("*profiled_advance*", "*profiled_record*", "*BackgroundWriter::write_records*")
 SHOWN = ("physics", "contact", "bus", "drives", "sensors", "firmware", "recording", "board")
 

@@ -8,8 +8,9 @@ namespace koboshi::tools {
 namespace {
 
 // Returns `first` and the frames after it.
-std::vector<sim::LoggedFrame> take(std::optional<sim::LoggedFrame> first, sim::CandumpReader& reader) {
-  std::vector<sim::LoggedFrame> frames;
+std::vector<sim_board::LoggedFrame> take(std::optional<sim_board::LoggedFrame> first,
+                                         sim_board::CandumpReader& reader) {
+  std::vector<sim_board::LoggedFrame> frames;
   for (; first && frames.size() < kFramesAfter; first = reader.next()) frames.push_back(*first);
   return frames;
 }
@@ -25,9 +26,9 @@ std::uint64_t LogDifference::time_us() const {
 
 std::optional<LogDifference> compare_logs(const std::filesystem::path& file_a,
                                           const std::filesystem::path& file_b) {
-  sim::CandumpReader reader_a(file_a);
-  sim::CandumpReader reader_b(file_b);
-  std::vector<sim::LoggedFrame> before;
+  sim_board::CandumpReader reader_a(file_a);
+  sim_board::CandumpReader reader_b(file_b);
+  std::vector<sim_board::LoggedFrame> before;
   for (std::size_t line = 1;; ++line) {
     const auto a = reader_a.next();
     const auto b = reader_b.next();

@@ -34,26 +34,26 @@ std::string describe(const TraceDifference& difference) {
 
 std::string describe(const LogDifference& difference) {
   std::string text = fmt::format("can.log: line {}\n", difference.line);
-  for (const sim::LoggedFrame& frame : difference.before) text += "    " + sim::log_line(frame);
-  for (const sim::LoggedFrame& frame : difference.a) text += "  A " + sim::log_line(frame);
+  for (const sim_board::LoggedFrame& frame : difference.before) text += "    " + sim_board::log_line(frame);
+  for (const sim_board::LoggedFrame& frame : difference.a) text += "  A " + sim_board::log_line(frame);
   if (difference.a.empty()) text += "  A ends here\n";
-  for (const sim::LoggedFrame& frame : difference.b) text += "  B " + sim::log_line(frame);
+  for (const sim_board::LoggedFrame& frame : difference.b) text += "  B " + sim_board::log_line(frame);
   if (difference.b.empty()) text += "  B ends here\n";
   return text;
 }
 
 // The frames before a tick, for a difference of the trace alone.
 std::string frames_before(const std::filesystem::path& log, const std::string& time_s) {
-  sim::CandumpReader reader(log);
+  sim_board::CandumpReader reader(log);
   const double end_us = 1e6 * std::stod(time_s);
-  std::vector<sim::LoggedFrame> last;
+  std::vector<sim_board::LoggedFrame> last;
   while (const auto frame = reader.next()) {
     if (static_cast<double>(frame->time_us) > end_us) break;
     if (last.size() == 2 * kFramesBefore) last.erase(last.begin());
     last.push_back(*frame);
   }
   std::string text = "can.log: the same; before that tick\n";
-  for (const sim::LoggedFrame& frame : last) text += "    " + sim::log_line(frame);
+  for (const sim_board::LoggedFrame& frame : last) text += "    " + sim_board::log_line(frame);
   return text;
 }
 

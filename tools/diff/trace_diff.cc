@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <fstream>
 
-#include "sim_board/input/error.h"
-#include "sim_board/input/foreign_text.h"
+#include "base/text/error.h"
+#include "base/text/foreign_text.h"
 
 namespace koboshi::tools {
 namespace {
@@ -29,8 +29,8 @@ class TraceLines {
  public:
   explicit TraceLines(const std::filesystem::path& file)
       : file_(file), stream_(file, std::ios::binary), lines_(stream_) {
-    if (!stream_) throw sim::InputError(file, 0, "no file that can be read", "the trace of a run");
-    if (!next()) throw sim::InputError(file, 0, "nothing", "a header line and rows");
+    if (!stream_) throw InputError(file, 0, "no file that can be read", "the trace of a run");
+    if (!next()) throw InputError(file, 0, "nothing", "a header line and rows");
     columns_ = split(line_);
   }
 
@@ -42,8 +42,8 @@ class TraceLines {
   Cells cells() const {
     Cells cells = split(line_);
     if (cells.size() != columns_.size()) {
-      throw sim::InputError(file_, number_, std::to_string(cells.size()) + " cells",
-                            "as many as the header has, " + std::to_string(columns_.size()));
+      throw InputError(file_, number_, std::to_string(cells.size()) + " cells",
+                       "as many as the header has, " + std::to_string(columns_.size()));
     }
     return cells;
   }
@@ -51,7 +51,7 @@ class TraceLines {
  private:
   std::filesystem::path file_;
   std::ifstream stream_;
-  sim::LineReader lines_;
+  LineReader lines_;
   std::string line_;
   int number_ = 0;
   Cells columns_;

@@ -25,7 +25,7 @@ struct TraceDifference {
   std::optional<char> ended;          // 'A' or 'B': the run that ends before the line
 };
 
-// Compares the texts: numbers are equal only if all their digits are. Throws sim::InputError if a file cannot
+// Compares the texts: numbers are equal only if all their digits are. Throws InputError if a file cannot
 // be read, is empty, or has a line with too many or too few cells.
 std::optional<TraceDifference> compare_traces(const std::filesystem::path& a, const std::filesystem::path& b);
 

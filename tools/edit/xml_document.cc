@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
-#include "sim_board/record/output_file.h"
+#include "base/file/output_file.h"
+#include "base/text/error.h"
+#include "base/text/text.h"
 
 namespace koboshi::tools {
 namespace {
@@ -58,7 +58,7 @@ std::optional<std::size_t> begin_of_next_line(std::string_view text, std::size_t
 }  // namespace
 
 XmlDocument::XmlDocument(std::filesystem::path file)
-    : XmlDocument(file, sim::read_text_file(file, "an XML file")) {}
+    : XmlDocument(file, read_text_file(file, "an XML file")) {}
 
 XmlDocument::XmlDocument(std::filesystem::path source, std::string text) : source_(std::move(source)) {
   replace_text(std::move(text));
@@ -79,8 +79,8 @@ const XmlPlace& XmlDocument::place(const XmlPath& path) const {
   const XmlPlace* place = &root_place_;
   for (const std::size_t step : path) {
     if (step >= place->elements.size())
-      throw sim::InputError(source_, 0, "element " + std::to_string(step) + " of <" + place->name + ">",
-                            sim::count_text(place->elements.size(), "element") + " in it");
+      throw InputError(source_, 0, "element " + std::to_string(step) + " of <" + place->name + ">",
+                       count_text(place->elements.size(), "element") + " in it");
     place = &place->elements[step];
   }
   return *place;
@@ -99,8 +99,8 @@ void XmlDocument::set_text(const XmlPath& path, std::string_view value, Blanks b
   const XmlPlace& at = place(path);
   const bool is_empty = element.parts.empty();
   if (!is_empty && (element.parts.size() > 1 || element.parts[0].kind != XmlPart::Kind::kText))
-    throw sim::InputError(source_, element.line, "<" + element.name + "> with other parts than a text",
-                          "a text alone");
+    throw InputError(source_, element.line, "<" + element.name + "> with other parts than a text",
+                     "a text alone");
   if (is_empty) {
     if (!value.empty())
       element.parts.push_back(
@@ -147,8 +147,8 @@ void XmlDocument::erase_attribute(const XmlPath& path, std::string_view name) {
   const XmlPlace& at = place(path);
   const auto found = std::ranges::find(at.attributes, name, &XmlAttributePlace::name);
   if (found == at.attributes.end())
-    throw sim::InputError(source_, element.line, "<" + element.name + "> without " + std::string(name),
-                          "that attribute");
+    throw InputError(source_, element.line, "<" + element.name + "> without " + std::string(name),
+                     "that attribute");
   std::erase_if(element.attributes, [&](const XmlAttribute& attribute) { return attribute.name == name; });
   const std::size_t begin = text_.find_last_not_of(kBlanksOfXml, found->begin - 1) + 1;
   apply({begin, found->end, {}}, intended);
@@ -157,13 +157,13 @@ void XmlDocument::erase_attribute(const XmlPath& path, std::string_view name) {
 void XmlDocument::insert_element(const XmlPath& parent, std::size_t index, std::string_view xml) {
   XmlPart added = parse_xml(xml, source_);
   if (added.parts.size() != 1)
-    throw sim::InputError(source_, 0, sim::one_line(xml), "one element without comments around it");
+    throw InputError(source_, 0, one_line(xml), "one element without comments around it");
   XmlPart intended = whole_;
   XmlPart& element = element_of(intended, parent);
   const XmlPlace& at = place(parent);
   if (index > at.elements.size())
-    throw sim::InputError(source_, element.line, "place " + std::to_string(index) + " in <" + at.name + ">",
-                          "at most " + std::to_string(at.elements.size()));
+    throw InputError(source_, element.line, "place " + std::to_string(index) + " in <" + at.name + ">",
+                     "at most " + std::to_string(at.elements.size()));
   // Right behind the sibling before it, or else the first part.
   const std::size_t part = index == 0 ? 0 : element.part_index(index - 1) + 1;
   element.parts.insert(element.parts.begin() + static_cast<std::ptrdiff_t>(part),
@@ -187,7 +187,7 @@ XmlDocument::Change XmlDocument::insertion(const XmlPlace& parent, std::size_t i
 
 void XmlDocument::erase_element(const XmlPath& path) {
   XmlPart intended = whole_;
-  if (path.empty()) throw sim::InputError(source_, root().line, "the root element", "an element in it");
+  if (path.empty()) throw InputError(source_, root().line, "the root element", "an element in it");
   const XmlPath parent(path.begin(), path.end() - 1);
   XmlPart& element = element_of(intended, parent);
   const XmlPlace at = place(path);
@@ -204,8 +204,8 @@ void XmlDocument::apply(const Change& change, const XmlPart& intended) {
   if (!same_parts(parsed, intended)) {
     const auto lines =
         std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(change.begin), '\n');
-    throw sim::InputError(source_, static_cast<int>(lines) + 1, "a layout in which this edit changes more",
-                          "elements, attributes and texts");
+    throw InputError(source_, static_cast<int>(lines) + 1, "a layout in which this edit changes more",
+                     "elements, attributes and texts");
   }
   take(std::move(text), std::move(parsed));
 }
@@ -218,7 +218,7 @@ void XmlDocument::replace_text(std::string text) {
 void XmlDocument::take(std::string text, XmlPart parsed) {
   XmlPlace place = locate_xml(text, source_);
   if (!agree(root_of(parsed), place))
-    throw sim::InputError(source_, 0, "a layout that cannot be edited", "elements, attributes and texts");
+    throw InputError(source_, 0, "a layout that cannot be edited", "elements, attributes and texts");
   text_ = std::move(text);
   whole_ = std::move(parsed);
   root_place_ = std::move(place);
@@ -229,6 +229,6 @@ std::string XmlDocument::line_end() const {
   return first != std::string::npos && first > 0 && text_[first - 1] == '\r' ? "\r\n" : "\n";
 }
 
-void XmlDocument::save() const { sim::write_whole_file(source_, text_); }
+void XmlDocument::save() const { write_whole_file(source_, text_); }
 
 }  // namespace koboshi::tools

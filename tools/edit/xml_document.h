@@ -18,7 +18,7 @@ using XmlPath = std::vector<std::size_t>;
 // An XML file that programs change and people keep reading: an edit replaces the bytes of one value, and
 // every other byte, comment and order stays as written.
 //
-// All functions throw sim::InputError for a path or a value that does not fit, and leave the document
+// All functions throw InputError for a path or a value that does not fit, and leave the document
 // unchanged: after each edit the text is parsed again and must contain exactly the intended change.
 class XmlDocument {
  public:
@@ -51,7 +51,7 @@ class XmlDocument {
   // Replaces the whole text.
   void replace_text(std::string text);
 
-  // Replaces the file atomically. Throws sim::WriteError.
+  // Replaces the file atomically. Throws WriteError.
   void save() const;
 
  private:

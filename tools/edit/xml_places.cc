@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim_board/input/error.h"
+#include "base/text/error.h"
 
 namespace koboshi::tools {
 namespace {
@@ -24,7 +24,7 @@ class Scanner {
   [[noreturn]] void fail(const std::string& expected) const {
     const std::size_t at = std::min(at_, text_.size());
     const auto lines = std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(at), '\n');
-    throw sim::InputError(source_, static_cast<int>(lines) + 1, "a layout that cannot be edited", expected);
+    throw InputError(source_, static_cast<int>(lines) + 1, "a layout that cannot be edited", expected);
   }
 
   std::size_t find(std::string_view what, std::size_t from) const {

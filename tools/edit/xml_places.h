@@ -29,7 +29,7 @@ struct XmlPlace {
   std::vector<XmlPlace> elements{};
 };
 
-// Finds the root element of a text that parse_xml() accepts. Throws sim::InputError for a document type
+// Finds the root element of a text that parse_xml() accepts. Throws InputError for a document type
 // declaration and for what it cannot follow.
 [[nodiscard]] XmlPlace locate_xml(std::string_view text, const std::filesystem::path& source);
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "sim_board/input/error.h"
-#include "sim_board/input/xml_parse.h"
+#include "base/text/error.h"
+#include "base/xml/xml_parse.h"
 
 namespace koboshi::tools {
 namespace {
@@ -69,10 +69,10 @@ bool same_parts(const XmlPart& a, const XmlPart& b) {
 
 XmlPart parse_xml(std::string_view text, const std::filesystem::path& source) {
   tinyxml2::XMLDocument document;
-  sim::parse_xml_text(document, text, source);
+  parse_xml_text(document, text, source);
   XmlPart whole = to_part(document);
   if (whole.element_count() != 1)
-    throw sim::InputError(source, 1, std::to_string(whole.element_count()) + " root elements", "one");
+    throw InputError(source, 1, std::to_string(whole.element_count()) + " root elements", "one");
   return whole;
 }
 

@@ -42,8 +42,8 @@ struct XmlPart {
 // Whether two trees have the same elements, attributes, texts and comments, on whatever lines.
 [[nodiscard]] bool same_parts(const XmlPart& a, const XmlPart& b);
 
-// Parses a whole file with the parser of the reader of robots (sim_board/input/xml_reader.h). The result
-// contains the file's parts, of which exactly one is an element. Throws sim::InputError, naming `source`.
+// Parses a whole file with the parser of the reader of robots (base/xml/xml_reader.h). The result
+// contains the file's parts, of which exactly one is an element. Throws InputError, naming `source`.
 [[nodiscard]] XmlPart parse_xml(std::string_view text, const std::filesystem::path& source);
 
 }  // namespace koboshi::tools

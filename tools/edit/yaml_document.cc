@@ -5,15 +5,13 @@
 #include <utility>
 #include <vector>
 
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
-#include "sim_board/record/output_file.h"
+#include "base/file/output_file.h"
+#include "base/text/error.h"
+#include "base/text/text.h"
 #include "tools/edit/yaml_lines.h"
 #include "tools/edit/yaml_places.h"
 
 namespace koboshi::tools {
-
-using sim::YamlNode;
 
 namespace {
 
@@ -37,8 +35,8 @@ class Finder {
     return spot;
   }
 
-  sim::InputError error(const YamlNode* node, const std::string& expected) const {
-    return {source_, node != nullptr ? node->line : 0, sim::one_line(path_.text()), expected};
+  InputError error(const YamlNode* node, const std::string& expected) const {
+    return {source_, node != nullptr ? node->line : 0, one_line(path_.text()), expected};
   }
 
  private:
@@ -50,7 +48,7 @@ class Finder {
       const auto item = std::ranges::find(node.items, step, &YamlNode::key);
       spot.index = static_cast<std::size_t>(item - node.items.begin());
     } else if (node.kind == YamlNode::Kind::kList) {
-      const auto number = sim::parse_integer(step);
+      const auto number = parse_integer(step);
       if (!number || *number < 0 || *number > static_cast<std::int64_t>(node.items.size()))
         throw error(&node, "an item of a list of " + std::to_string(node.items.size()));
       spot.index = static_cast<std::size_t>(*number);
@@ -83,10 +81,10 @@ std::string entry_text(const Spot& spot, std::string_view value) {
 // Throws InputError unless the text is one value on one line, without a comment.
 YamlNode parsed_value(std::string_view value, const std::filesystem::path& source) {
   const std::string text = "value: " + std::string(value);
-  YamlNode root = sim::parse_yaml(text, source);
+  YamlNode root = parse_yaml(text, source);
   const bool is_alone = text.find('\n') == std::string::npos && root.items.size() == 1 &&
                         locate_yaml(text, source).items.front().end == text.size();
-  if (!is_alone) throw sim::InputError(source, 0, sim::one_line(value), "a value on one line, in flow style");
+  if (!is_alone) throw InputError(source, 0, one_line(value), "a value on one line, in flow style");
   return std::move(root.items.front());
 }
 
@@ -107,10 +105,10 @@ std::string YamlPath::text() const {
 }
 
 YamlDocument::YamlDocument(std::filesystem::path file)
-    : YamlDocument(file, sim::read_text_file(file, "a YAML file")) {}
+    : YamlDocument(file, read_text_file(file, "a YAML file")) {}
 
 YamlDocument::YamlDocument(std::filesystem::path source, std::string text)
-    : source_(std::move(source)), text_(std::move(text)), tree_(sim::parse_yaml(text_, source_)) {}
+    : source_(std::move(source)), text_(std::move(text)), tree_(parse_yaml(text_, source_)) {}
 
 const YamlPlace& YamlDocument::places() const {
   if (!places_) places_ = locate_yaml(text_, source_);
@@ -240,7 +238,7 @@ YamlDocument::Change YamlDocument::rename_change(const YamlPath& path, std::stri
   const Spot spot = finder.find(intended, places());
   if (spot.node == nullptr || !spot.parent_place->is_map()) throw finder.error(spot.parent, "a key of a map");
   // The key may have quotes.
-  spot.node->key = sim::parse_yaml(std::string(key) + ": 0", source_).items.front().key;
+  spot.node->key = parse_yaml(std::string(key) + ": 0", source_).items.front().key;
   return {spot.place->key_begin, spot.place->key_end, std::string(key)};
 }
 
@@ -250,8 +248,8 @@ void YamlDocument::apply(std::vector<Change> changes, YamlNode intended) {
   const auto refuse = [&](const Change& change) {
     const auto line =
         std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(change.begin), '\n');
-    throw sim::InputError(source_, static_cast<int>(line) + 1, "a layout in which this edit changes more",
-                          "keys and values in block or flow style");
+    throw InputError(source_, static_cast<int>(line) + 1, "a layout in which this edit changes more",
+                     "keys and values in block or flow style");
   };
   std::string text;
   std::size_t done = 0;
@@ -263,7 +261,7 @@ void YamlDocument::apply(std::vector<Change> changes, YamlNode intended) {
   text.append(text_, done);
   auto parsed = reparse_items(text, changes.front().begin, changes.back().end);
   if (parsed && same_values(parsed->tree, intended)) return take(std::move(text), std::move(*parsed));
-  YamlNode tree = sim::parse_yaml(text, source_);
+  YamlNode tree = parse_yaml(text, source_);
   if (!same_values(tree, intended)) refuse(changes.front());
   text_ = std::move(text);
   tree_ = std::move(tree);
@@ -278,7 +276,7 @@ void YamlDocument::replace_text(std::string text) {
     ++same;
   if (auto parsed = reparse_items(text, begin, text_.size() - same))
     return take(std::move(text), std::move(*parsed));
-  Parsed whole{sim::parse_yaml(text, source_), locate_yaml(text, source_)};
+  Parsed whole{parse_yaml(text, source_), locate_yaml(text, source_)};
   take(std::move(text), std::move(whole));
 }
 
@@ -288,6 +286,6 @@ void YamlDocument::take(std::string text, Parsed parsed) {
   places_ = std::move(parsed.places);
 }
 
-void YamlDocument::save() const { sim::write_whole_file(source_, text_); }
+void YamlDocument::save() const { write_whole_file(source_, text_); }
 
 }  // namespace koboshi::tools

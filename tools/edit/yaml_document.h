@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim_board/input/yaml_tree.h"
+#include "base/yaml/yaml_tree.h"
 #include "tools/edit/yaml_places.h"
 
 namespace koboshi::tools {
@@ -51,7 +51,7 @@ struct YamlItems {
 // every other byte, comment and order stays as written.
 //
 // A value is YAML on one
-// line, in flow style: 12.5, "text", [1, 2], {left_knee: 30}. All functions throw sim::InputError for a path
+// line, in flow style: 12.5, "text", [1, 2], {left_knee: 30}. All functions throw InputError for a path
 // or a value that does not fit, and leave the document unchanged: after each edit the text is parsed again
 // and must contain exactly the intended change.
 class YamlDocument {
@@ -62,7 +62,7 @@ class YamlDocument {
   YamlDocument(std::filesystem::path source, std::string text);
 
   const std::string& text() const { return text_; }
-  const sim::YamlNode& tree() const { return tree_; }
+  const YamlNode& tree() const { return tree_; }
 
   // Replaces a value. A key that its map lacks is added as the map's last one.
   void set(const YamlPath& path, std::string_view value);
@@ -95,13 +95,13 @@ class YamlDocument {
   // Replaces items, with the comment lines that belong to them.
   void replace_items(const YamlItems& run, std::string_view block);
 
-  // Replaces the whole text. Throws sim::InputError if it is no YAML.
+  // Replaces the whole text. Throws InputError if it is no YAML.
   void replace_text(std::string text);
 
-  // Where the values stand in the text. Throws sim::InputError as the edits do.
+  // Where the values stand in the text. Throws InputError as the edits do.
   const YamlPlace& places() const;
 
-  // Replaces the file atomically. Throws sim::WriteError.
+  // Replaces the file atomically. Throws WriteError.
   void save() const;
 
  private:
@@ -112,16 +112,16 @@ class YamlDocument {
     std::string text;
   };
 
-  Change set_change(const YamlPath& path, std::string_view value, sim::YamlNode& intended) const;
-  Change insert_change(const YamlPath& path, std::string_view value, sim::YamlNode& intended) const;
-  Change erase_change(const YamlPath& path, sim::YamlNode& intended) const;
-  Change rename_change(const YamlPath& path, std::string_view key, sim::YamlNode& intended) const;
-  void add_erasure(const YamlItems& run, Comments comments, sim::YamlNode& intended,
+  Change set_change(const YamlPath& path, std::string_view value, YamlNode& intended) const;
+  Change insert_change(const YamlPath& path, std::string_view value, YamlNode& intended) const;
+  Change erase_change(const YamlPath& path, YamlNode& intended) const;
+  Change rename_change(const YamlPath& path, std::string_view key, YamlNode& intended) const;
+  void add_erasure(const YamlItems& run, Comments comments, YamlNode& intended,
                    std::vector<Change>& changes) const;
-  void apply(std::vector<Change> changes, sim::YamlNode intended);
+  void apply(std::vector<Change> changes, YamlNode intended);
 
   struct Parsed {
-    sim::YamlNode tree;
+    YamlNode tree;
     YamlPlace places;
   };
   std::optional<Parsed> reparse_items(const std::string& text, std::size_t begin, std::size_t end) const;
@@ -129,7 +129,7 @@ class YamlDocument {
 
   std::filesystem::path source_;
   std::string text_;
-  sim::YamlNode tree_;
+  YamlNode tree_;
   mutable std::optional<YamlPlace> places_;
 };
 

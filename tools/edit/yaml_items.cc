@@ -1,15 +1,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
+#include "base/text/error.h"
+#include "base/text/text.h"
 #include "tools/edit/yaml_document.h"
 #include "tools/edit/yaml_lines.h"
 
 namespace koboshi::tools {
 namespace {
-
-using sim::YamlNode;
 
 // A collection in the tree and in the text.
 struct Collection {
@@ -21,7 +19,7 @@ struct Collection {
 std::size_t index_of(const YamlNode& node, const std::string& step) {
   if (node.kind == YamlNode::Kind::kMap)
     return static_cast<std::size_t>(std::ranges::find(node.items, step, &YamlNode::key) - node.items.begin());
-  const auto number = sim::parse_integer(step);
+  const auto number = parse_integer(step);
   return number && *number >= 0 ? static_cast<std::size_t>(*number) : node.items.size();
 }
 
@@ -31,14 +29,13 @@ Collection find_collection(const std::filesystem::path& source, const YamlPath& 
   for (const std::string& step : path.steps()) {
     const std::size_t index = index_of(*found.node, step);
     if (index >= found.node->items.size())
-      throw sim::InputError(source, found.node->line, sim::one_line(path.text()),
-                            "a list or map of the file");
+      throw InputError(source, found.node->line, one_line(path.text()), "a list or map of the file");
     found.in_flow = found.in_flow || found.place->is_flow();
     found.node = &found.node->items[index];
     found.place = &found.place->items[index];
   }
   if (found.node->kind == YamlNode::Kind::kScalar)
-    throw sim::InputError(source, found.node->line, sim::one_line(path.text()), "a list or map");
+    throw InputError(source, found.node->line, one_line(path.text()), "a list or map");
   return found;
 }
 
@@ -77,7 +74,7 @@ std::string block_of(const YamlNode& collection, std::size_t first, std::size_t 
   YamlNode root;
   root.kind = YamlNode::Kind::kMap;
   root.items.push_back(std::move(list));
-  const std::string text = sim::yaml_text(root);
+  const std::string text = yaml_text(root);
   const std::string block = shifted(std::string_view(text).substr(text.find('\n') + 1), -2);
   if (collection.kind != YamlNode::Kind::kMap) return block;
   std::string entries;  // "- {key: value}" becomes "key: value"
@@ -107,8 +104,8 @@ std::string YamlDocument::items_text(const YamlPath& collection, std::size_t fir
   YamlNode& root = const_cast<YamlNode&>(tree_);  // only read
   const auto [node, place, in_flow] = find_collection(source_, collection, root, places());
   if (first + count > node->items.size())
-    throw sim::InputError(source_, node->line, std::to_string(first + count) + " items",
-                          "at most " + std::to_string(node->items.size()));
+    throw InputError(source_, node->line, std::to_string(first + count) + " items",
+                     "at most " + std::to_string(node->items.size()));
   if (count == 0) return {};
   const Lines lines(text_);
   const std::size_t begin = start_of(text_, *place, place->items[first]);
@@ -122,16 +119,15 @@ void YamlDocument::insert_items(const YamlPath& collection, std::size_t index, s
   YamlNode intended = tree_;
   const auto [node, place, in_flow] = find_collection(source_, collection, intended, places());
   if (index > node->items.size())
-    throw sim::InputError(source_, node->line, "a place after item " + std::to_string(index),
-                          "at most " + std::to_string(node->items.size()));
-  YamlNode added = sim::parse_yaml("items:\n" + shifted(block, 2), source_).items.front();
+    throw InputError(source_, node->line, "a place after item " + std::to_string(index),
+                     "at most " + std::to_string(node->items.size()));
+  YamlNode added = parse_yaml("items:\n" + shifted(block, 2), source_).items.front();
   const bool fits =
       added.kind == node->kind ||
       (node->items.empty() && (added.kind == YamlNode::Kind::kMap || added.kind == YamlNode::Kind::kList));
   if (!fits)
-    throw sim::InputError(
-        source_, node->line, sim::one_line(block),
-        node->kind == YamlNode::Kind::kMap ? "keys and values" : "lines that begin with \"- \"");
+    throw InputError(source_, node->line, one_line(block),
+                     node->kind == YamlNode::Kind::kMap ? "keys and values" : "lines that begin with \"- \"");
   const bool was_empty = node->items.empty();
   const bool is_map = added.kind == YamlNode::Kind::kMap;
   node->kind = added.kind;
@@ -188,8 +184,8 @@ void YamlDocument::add_erasure(const YamlItems& run, Comments comments, YamlNode
   const auto [node, place, in_flow] = find_collection(source_, run.collection, intended, places());
   const std::size_t end = run.first + run.count;
   if (end > node->items.size())
-    throw sim::InputError(source_, node->line, std::to_string(end) + " items",
-                          "at most " + std::to_string(node->items.size()));
+    throw InputError(source_, node->line, std::to_string(end) + " items",
+                     "at most " + std::to_string(node->items.size()));
   const auto from = node->items.begin() + static_cast<std::ptrdiff_t>(run.first);
   node->items.erase(from, from + static_cast<std::ptrdiff_t>(run.count));
 
@@ -229,10 +225,9 @@ void YamlDocument::replace_items(const YamlItems& run, std::string_view block) {
   if (run.count == 0) return insert_items(run.collection, run.first, block);
   YamlNode intended = tree_;
   const auto [node, place, in_flow] = find_collection(source_, run.collection, intended, places());
-  YamlNode added = sim::parse_yaml("items:\n" + shifted(block, 2), source_).items.front();
+  YamlNode added = parse_yaml("items:\n" + shifted(block, 2), source_).items.front();
   if (run.first + run.count > node->items.size() || added.kind != node->kind)
-    throw sim::InputError(source_, node->line, sim::one_line(block),
-                          "as many items as there are, of their kind");
+    throw InputError(source_, node->line, one_line(block), "as many items as there are, of their kind");
   const auto at = node->items.begin() + static_cast<std::ptrdiff_t>(run.first);
   node->items.erase(at, at + static_cast<std::ptrdiff_t>(run.count));
   node->items.insert(node->items.begin() + static_cast<std::ptrdiff_t>(run.first), added.items.begin(),

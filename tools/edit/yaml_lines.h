@@ -4,7 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include "sim_board/input/yaml_tree.h"
+#include "base/yaml/yaml_tree.h"
 #include "tools/edit/yaml_places.h"
 
 namespace koboshi::tools {
@@ -72,7 +72,7 @@ class Lines {
 };
 
 // Whether two trees have the same keys and values, wherever they stand.
-inline bool same_values(const sim::YamlNode& one, const sim::YamlNode& other) {
+inline bool same_values(const YamlNode& one, const YamlNode& other) {
   return one.kind == other.kind && one.key == other.key && one.scalar == other.scalar &&
          one.quoted == other.quoted && std::ranges::equal(one.items, other.items, same_values);
 }

@@ -6,14 +6,14 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim_board/input/error.h"
+#include "base/text/error.h"
 
 namespace koboshi::tools {
 namespace {
 
 using Kind = YamlPlace::Kind;
 
-// libfyaml reads the document in another way than sim::parse_yaml. `what()` says what it found.
+// libfyaml reads the document in another way than parse_yaml. `what()` says what it found.
 struct Refused : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -174,7 +174,7 @@ YamlPlace locate_yaml(std::string_view text, const std::filesystem::path& source
   try {
     return Locator(text).document();
   } catch (const Refused& refused) {
-    throw sim::InputError(source, 0, refused.what(), "YAML that can be edited in place");
+    throw InputError(source, 0, refused.what(), "YAML that can be edited in place");
   }
 }
 

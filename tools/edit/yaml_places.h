@@ -29,7 +29,7 @@ struct YamlPlace {
   bool is_block() const { return kind == Kind::kBlockMap || kind == Kind::kBlockList; }
 };
 
-// Locates the values of a document that sim::parse_yaml accepts. Throws sim::InputError, which names
+// Locates the values of a document that parse_yaml accepts. Throws InputError, which names
 // `source`, if libfyaml refuses it.
 YamlPlace locate_yaml(std::string_view text, const std::filesystem::path& source);
 

@@ -2,7 +2,7 @@
 #include <set>
 #include <utility>
 
-#include "sim_board/input/error.h"
+#include "base/text/error.h"
 #include "tools/edit/yaml_document.h"
 #include "tools/edit/yaml_lines.h"
 
@@ -10,8 +10,6 @@
 // libfyaml for a text.
 namespace koboshi::tools {
 namespace {
-
-using sim::YamlNode;
 
 constexpr std::string_view kWrapper = "x:\n";  // makes the root of some items a map
 
@@ -127,7 +125,7 @@ std::optional<YamlDocument::Parsed> YamlDocument::reparse_items(const std::strin
   const std::size_t new_end = region.end + text.size() - text_.size();
   try {
     YamlNode wrapped =
-        sim::parse_yaml(std::string(kWrapper) + text.substr(region.begin, new_end - region.begin), source_);
+        parse_yaml(std::string(kWrapper) + text.substr(region.begin, new_end - region.begin), source_);
     if (wrapped.items.size() != 1) return std::nullopt;
     YamlNode& items = wrapped.items.front();
     const std::size_t count = items.items.size();
@@ -165,7 +163,7 @@ std::optional<YamlDocument::Parsed> YamlDocument::reparse_items(const std::strin
     }
     if (has_second_key(collection)) return std::nullopt;
     return parsed;
-  } catch (const sim::InputError&) {
+  } catch (const InputError&) {
     return std::nullopt;  // the whole text gives the message
   }
 }

@@ -9,13 +9,13 @@
 
 #include <fmt/format.h>
 
+#include "base/text/user_units.h"
 #include "firmware/fixed/host/convert.h"
-#include "sim_board/input/user_units.h"
 #include "simulation/gait/gait_motion.h"
 #include "simulation/gait/gait_plan.h"
 #include "simulation/gait/walking_pose.h"
-#include "tools/lab/plot/figure.h"
-#include "tools/lab/plot/legend.h"
+#include "tools/plot/figure.h"
+#include "tools/plot/legend.h"
 
 namespace koboshi::tools {
 namespace {
@@ -76,7 +76,7 @@ class Approximation {
   std::vector<TimedPose> points_;
 };
 
-Columns profile_of(const simulation::Gait& gait, const sim::RobotDescription& robot,
+Columns profile_of(const simulation::Gait& gait, const sim_board::RobotDescription& robot,
                    const simulation::NamedModel& model) {
   const simulation::GaitPlan plan(gait);
   const simulation::WalkingPose pose(gait, robot, model);
@@ -106,14 +106,14 @@ Columns profile_of(const simulation::Gait& gait, const sim::RobotDescription& ro
 
 Panel pendulum_panel(const std::string& axis, const std::string& label) {
   return {.y_label = label + " [mm]",
-          .series = {series(Role::kFirst, "com_" + axis + "_m", "centre of mass", sim::kMmPerM),
-                     series(Role::kPlanned, "zmp_" + axis + "_m", "ZMP, planned", sim::kMmPerM)},
+          .series = {series(Role::kFirst, "com_" + axis + "_m", "centre of mass", kMmPerM),
+                     series(Role::kPlanned, "zmp_" + axis + "_m", "ZMP, planned", kMmPerM)},
           .smallest_span = 10.0};
 }
 
 }  // namespace
 
-void draw_gait(const simulation::Gait& gait, const sim::RobotDescription& robot,
+void draw_gait(const simulation::Gait& gait, const sim_board::RobotDescription& robot,
                const simulation::NamedModel& model, const std::filesystem::path& prefix) {
   Figure figure{.title = fmt::format("Walking motion, {} points a cycle", gait.points)};
   figure.panels.push_back(pendulum_panel("x", "ahead"));
@@ -121,9 +121,9 @@ void draw_gait(const simulation::Gait& gait, const sim::RobotDescription& robot,
   for (const ShownJoint& joint : kShown) {
     figure.panels.push_back({.y_label = std::string(joint.label) + " [deg]",
                              .series = {series(Role::kFirst, std::string(joint.column) + "_rad",
-                                               "profile of the pendulum", sim::kDegreesPerRad),
+                                               "profile of the pendulum", kDegreesPerRad),
                                         series(Role::kPlanned, std::string(joint.column) + "_points_rad",
-                                               "target, between points", sim::kDegreesPerRad)},
+                                               "target, between points", kDegreesPerRad)},
                              .smallest_span = 2.0});
   }
   draw_with_csv(figure, profile_of(gait, robot, model), prefix, kDigits);

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "simulation/gait/gait.h"
 #include "simulation/model/robot_model.h"
 
@@ -10,8 +10,8 @@ namespace koboshi::tools {
 
 // Draws the profile of a walk and its linear approximation by the gait's points, like the paper's figure 6,
 // to PREFIX.png and PREFIX.svg, with the data in PREFIX.csv: two cycles that begin with standing. Throws
-// sim::InputError, sim::WriteError and PlotError.
-void draw_gait(const simulation::Gait& gait, const sim::RobotDescription& robot,
+// InputError, WriteError and PlotError.
+void draw_gait(const simulation::Gait& gait, const sim_board::RobotDescription& robot,
                const simulation::NamedModel& model, const std::filesystem::path& prefix);
 
 }  // namespace koboshi::tools

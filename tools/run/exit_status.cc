@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
-#include "sim_board/record/output_file.h"
-#include "sim_board/record/standard_streams.h"
-#include "simulation/motion/diagnostic.h"
+#include "base/file/output_file.h"
+#include "base/file/standard_streams.h"
+#include "base/text/error.h"
+#include "base/text/text.h"
+#include "simulation/motion_language/parse/diagnostic.h"
 #include "tools/run/interrupt.h"
 
 namespace koboshi::tools {
@@ -19,18 +19,18 @@ namespace {
 
 void check_arguments(const std::string& name, std::span<char* const> arguments) {
   for (std::size_t i = 1; i < arguments.size(); ++i)
-    if (sim::find_invalid_utf8(arguments[i]) != std::string_view::npos)
-      throw sim::InputError(name, 0, "argument " + std::to_string(i) + ", " + sim::one_line(arguments[i]),
-                            "UTF-8 text");
+    if (find_invalid_utf8(arguments[i]) != std::string_view::npos)
+      throw InputError(name, 0, "argument " + std::to_string(i) + ", " + one_line(arguments[i]),
+                       "UTF-8 text");
 }
 
 // Printed text may still be in a buffer, and the disk full.
 void close_standard_output() {
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw sim::WriteError("standard output", errno);
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw WriteError("standard output", errno);
 }
 
 int reported(const std::string& name, const std::exception& error, int status) {
-  sim::print_error("{}: {}\n", name, sim::utf8_text(error.what()));
+  print_error("{}: {}\n", name, utf8_text(error.what()));
   return status;
 }
 
@@ -38,7 +38,7 @@ int reported(const std::string& name, const std::exception& error, int status) {
 
 int exit_status_of(const std::string& name, std::span<char* const> arguments,
                    const std::function<int()>& body) {
-  sim::reserve_standard_streams();
+  reserve_standard_streams();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
   try {
     check_arguments(name, arguments);
@@ -46,12 +46,12 @@ int exit_status_of(const std::string& name, std::span<char* const> arguments,
     close_standard_output();
     return status;
   } catch (const simulation::MotionError& error) {
-    sim::write_to_standard_error(simulation::print(error.diagnostics()));
+    write_to_standard_error(simulation::print(error.diagnostics()));
     return kBadInput;
-  } catch (const sim::InputError& error) {
-    sim::print_error("{}\n", error.what());
+  } catch (const InputError& error) {
+    print_error("{}\n", error.what());
     return kBadInput;
-  } catch (const sim::WriteError& error) {
+  } catch (const WriteError& error) {
     return reported(name, error, kBadInput);
   } catch (const std::filesystem::filesystem_error& error) {
     return reported(name, error, kBadInput);
@@ -61,7 +61,7 @@ int exit_status_of(const std::string& name, std::span<char* const> arguments,
     return reported(name, error, kBadInput);
   } catch (const std::exception& error) {
     // fmt::print throws when the buffer of standard output cannot be written.
-    if (std::ferror(stdout) != 0) return reported(name, sim::WriteError("standard output", errno), kBadInput);
+    if (std::ferror(stdout) != 0) return reported(name, WriteError("standard output", errno), kBadInput);
     return reported(name, error, kFailed);
   }
 }

@@ -12,17 +12,17 @@ namespace koboshi::tools {
 namespace {
 
 // A thread only helps where there is a second processor for it.
-std::unique_ptr<sim::Transport> in_background(std::unique_ptr<sim::Transport> transport) {
+std::unique_ptr<sim_board::Transport> in_background(std::unique_ptr<sim_board::Transport> transport) {
   if (!transport || !transport->is_slow() || std::thread::hardware_concurrency() < 2) return transport;
-  return std::make_unique<sim::BackgroundTransport>(std::move(transport));
+  return std::make_unique<sim_board::BackgroundTransport>(std::move(transport));
 }
 
 }  // namespace
 
 LiveLink::LiveLink(const LiveOptions& options, Warn warn)
-    : LiveLink(options, sim::open_transport(options.can, options.transport), std::move(warn)) {}
+    : LiveLink(options, sim_board::open_transport(options.can, options.transport), std::move(warn)) {}
 
-LiveLink::LiveLink(const LiveOptions& options, std::unique_ptr<sim::Transport> transport, Warn warn)
+LiveLink::LiveLink(const LiveOptions& options, std::unique_ptr<sim_board::Transport> transport, Warn warn)
     : transport_(std::move(transport)),
       live_(options.realtime || (transport_ && transport_->is_live())),
       speed_(options.speed.value_or(1.0)),
@@ -34,12 +34,12 @@ LiveLink::LiveLink(const LiveOptions& options, std::unique_ptr<sim::Transport> t
   transport_ = in_background(std::move(transport_));
 }
 
-void LiveLink::attach(sim::Bus& bus, const WallClock& wall) {
+void LiveLink::attach(sim_board::Bus& bus, const WallClock& wall) {
   if (transport_) node_.emplace(bus, *transport_);
   if (live_) pacer_.emplace(bus.now_us(), speed_, wall);
 }
 
-void LiveLink::attach(sim::Bus& bus) { attach(bus, interruptible(interrupt_)); }
+void LiveLink::attach(sim_board::Bus& bus) { attach(bus, interruptible(interrupt_)); }
 
 void LiveLink::check_for_losses() {
   if (pacer_) {
@@ -50,7 +50,7 @@ void LiveLink::check_for_losses() {
         fmt::format("{} ms behind the clock, frames are late: too much for this machine", delay_us / 1000));
   }
   if (!node_) return;
-  const sim::TransportNode::Counters counters = node_->counters();
+  const sim_board::TransportNode::Counters counters = node_->counters();
   // A channel that no program has opened yet accepts no frames; none of them counts as lost.
   warn_once(counters.lost > 0 && counters.sent > 0, warned_lost_,
             "frames are lost: outside there is no room for them");
@@ -70,7 +70,7 @@ void LiveLink::warn_once(bool occurs, bool& warned, const std::string& text) {
 nlohmann::ordered_json LiveLink::report() const {
   nlohmann::ordered_json json;
   if (node_) {
-    const sim::TransportNode::Counters& counters = node_->counters();
+    const sim_board::TransportNode::Counters& counters = node_->counters();
     json["can"] = {{"transport", transport_->place()},     {"frames_sent", counters.sent},
                    {"frames_lost", counters.lost},         {"frames_sent_late", counters.late_sent},
                    {"frames_received", counters.received}, {"frames_refused", counters.refused},

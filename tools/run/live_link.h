@@ -15,8 +15,8 @@ namespace koboshi::tools {
 
 // The connection of a simulation to other programs and to the wall clock.
 struct LiveOptions {
-  std::string can = "none";  // see sim::open_transport
-  sim::TransportOptions transport{};
+  std::string can = "none";  // see sim_board::open_transport
+  sim_board::TransportOptions transport{};
   bool realtime = false;  // in real time; implied by a live transport
   // Simulated seconds per second of the wall clock, 1 by default. Only in real time.
   std::optional<double> speed{};
@@ -34,15 +34,15 @@ class LiveLink {
   // Receives a sentence when frames begin to be lost or the simulation falls behind.
   using Warn = std::function<void(const std::string&)>;
 
-  // Opens the transport. Throws what sim::open_transport throws, and std::invalid_argument for a speed
+  // Opens the transport. Throws what sim_board::open_transport throws, and std::invalid_argument for a speed
   // without real time.
   explicit LiveLink(const LiveOptions& options, Warn warn = {});
   // Takes an open transport, or null.
-  LiveLink(const LiveOptions& options, std::unique_ptr<sim::Transport> transport, Warn warn = {});
+  LiveLink(const LiveOptions& options, std::unique_ptr<sim_board::Transport> transport, Warn warn = {});
 
   // Connects the bus, from its present time on. By default a signal ends the waits for the wall clock.
-  void attach(sim::Bus& bus, const WallClock& wall);
-  void attach(sim::Bus& bus);
+  void attach(sim_board::Bus& bus, const WallClock& wall);
+  void attach(sim_board::Bus& bus);
   // Call these before and after each millisecond of the simulation.
   void before(std::uint64_t now_us) {
     if (node_) node_->poll(now_us, pacer_ && pacer_->delay_us() > kLate_us);
@@ -61,7 +61,7 @@ class LiveLink {
 
   bool is_live() const { return live_; }
   // Null without a transport.
-  const sim::Transport* transport() const { return transport_.get(); }
+  const sim_board::Transport* transport() const { return transport_.get(); }
   // Null without real time, and before attach().
   const Pacer* pacer() const { return pacer_ ? &*pacer_ : nullptr; }
   // Frames carried, lost and late, and overruns. Null without transport and real time.
@@ -76,10 +76,10 @@ class LiveLink {
 
   // First member: threads that start later inherit the blocked signals.
   Interrupt interrupt_;
-  std::unique_ptr<sim::Transport> transport_;
+  std::unique_ptr<sim_board::Transport> transport_;
   bool live_;
   double speed_;
-  std::optional<sim::TransportNode> node_;
+  std::optional<sim_board::TransportNode> node_;
   std::optional<Pacer> pacer_;
   std::uint64_t calls_ = 0;
   Warn warn_;

@@ -4,14 +4,14 @@
 
 #include <fmt/core.h>
 
-#include "sim_board/record/output_file.h"
-#include "sim_board/record/output_folder.h"
-#include "sim_board/scenario/events_text.h"
+#include "base/file/output_file.h"
+#include "base/file/output_folder.h"
+#include "bus/dictionary/network.h"
 #include "simulation/observe/run_recorder.h"
-#include "tools/dictionary/network.h"
+#include "simulation/scenario/events_text.h"
 #include "tools/run/run_figures.h"
 #include "tools/run/walk_figures.h"
-#include "tools/view/capture/run_recording.h"
+#include "view/capture/run_recording.h"
 
 namespace koboshi::tools {
 namespace {
@@ -23,10 +23,10 @@ double seconds_since(Clock::time_point start) {
 }
 
 // Times that depend on the machine, for a file of their own.
-nlohmann::ordered_json timing_json(const sim::SimBoard& board, double wall_s, std::uint64_t dropped,
+nlohmann::ordered_json timing_json(const sim_board::SimBoard& board, double wall_s, std::uint64_t dropped,
                                    std::uint64_t recording_dropped, const LiveLink& live) {
   const double simulated_s = 1e-6 * static_cast<double>(board.now_us());
-  const sim::TimeShares& shares = board.time_shares();
+  const sim_board::TimeShares& shares = board.time_shares();
   const double parts_s =
       shares.bus_s + shares.drives_s + shares.firmware_s + shares.physics_s + shares.sensors_s;
   return {{"real_time_factor", simulated_s / wall_s},
@@ -52,7 +52,7 @@ struct Ending {
 Ending play(simulation::Simulation& simulation, simulation::RunRecorder& recorder,
             view::RunRecording* recording, view::LiveView* view, LiveLink& live, ShownTrace& trace,
             const OperatorFactory& make_operator, const std::function<void(const RunProgress&)>& progress) {
-  constexpr std::uint64_t kTick_us = sim::SimBoard::kTick_us;
+  constexpr std::uint64_t kTick_us = sim_board::SimBoard::kTick_us;
   const auto start = Clock::now();
   const double duration_s = 1e-6 * static_cast<double>(simulation.scenario().duration_us);
   try {
@@ -71,7 +71,7 @@ Ending play(simulation::Simulation& simulation, simulation::RunRecorder& recorde
       if (run_operator && !run_operator->tick()) break;
       if (progress) progress({1e-6 * static_cast<double>(now_us), duration_s, seconds_since(start)});
     }
-  } catch (const sim::WriteError&) {
+  } catch (const WriteError&) {
     throw;
   } catch (const std::runtime_error& error) {
     return {.failure = error.what()};
@@ -81,7 +81,7 @@ Ending play(simulation::Simulation& simulation, simulation::RunRecorder& recorde
 
 void draw_figures(const simulation::Simulation& simulation, const Columns& trace,
                   const std::filesystem::path& folder) {
-  const sim::Scenario played = simulation.played();
+  const simulation::Scenario played = simulation.played();
   draw_run_figures(played, trace, folder);
   const simulation::GaitPlan* plan = simulation.gait_plan();
   draw_walk_figures(trace, simulation.robot(), plan ? plan->cycle_s() : commanded_cycle_s(played), folder);
@@ -114,15 +114,15 @@ std::string how_far(const simulation::Simulation& simulation, const std::filesys
 }  // namespace
 
 RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress) {
-  sim::check_output_folder(options.out);
+  check_output_folder(options.out);
   LiveLink live(options.live, options.warn);
   simulation::Simulation simulation(options.scenario, options.make_host, options.change);
-  const sim::OutputFolder folder(options.out);
+  const OutputFolder folder(options.out);
 
   const auto columns = simulation::RunRecorder::columns(simulation.robot());
   ShownTrace trace(columns);
-  const auto when_full = live.is_live() ? sim::WhenFull::kDrop : sim::WhenFull::kWait;
-  sim::Recorder files(options.out, columns, when_full);
+  const auto when_full = live.is_live() ? simulation::WhenFull::kDrop : simulation::WhenFull::kWait;
+  simulation::Recorder files(options.out, columns, when_full);
   std::optional<view::RunRecording> recording;
   if (options.recording_period_us > 0) {
     recording.emplace(options.out / "run.mcap", simulation,
@@ -152,11 +152,12 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   result.summary = recorder.summary();
   if (recording) recording->close(result.summary.events);
   if (options.view != nullptr) options.view->close();
-  sim::write_whole_file(options.out / "events.txt", simulation::events_text(result.summary.events));
-  sim::write_json(options.out / "timing.json", timing_json(simulation.board(), wall_s, files.dropped(),
-                                                           recording ? recording->dropped() : 0, live));
+  write_whole_file(options.out / "events.txt", simulation::events_text(result.summary.events));
+  simulation::write_json(
+      options.out / "timing.json",
+      timing_json(simulation.board(), wall_s, files.dropped(), recording ? recording->dropped() : 0, live));
   if (options.make_operator) {
-    sim::write_whole_file(options.out / "played.yaml", sim::played_text(simulation.played(), options.out));
+    write_whole_file(options.out / "played.yaml", simulation::played_text(simulation.played(), options.out));
   }
   if (ending.signal && !live.is_live()) throw Interrupted(*ending.signal, how_far(simulation, options.out));
   live.release_signals();
@@ -165,7 +166,8 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   } catch (const PlotError& error) {
     result.plot_warning = error.what();
   }
-  if (!result.failure) sim::write_json(options.out / "summary.json", sim::to_json(result.summary));
+  if (!result.failure)
+    simulation::write_json(options.out / "summary.json", simulation::to_json(result.summary));
   return result;
 }
 

@@ -5,12 +5,12 @@
 #include <memory>
 #include <optional>
 
-#include "sim_board/record/summary.h"
-#include "sim_board/scenario/scenario.h"
+#include "simulation/assembly/simulation.h"
 #include "simulation/observe/run_recorder.h"
-#include "simulation/scenario/simulation.h"
+#include "simulation/record/summary.h"
+#include "simulation/scenario/scenario.h"
 #include "tools/run/live_link.h"
-#include "tools/view/live/live_view.h"
+#include "view/live/live_view.h"
 
 namespace koboshi::tools {
 
@@ -28,7 +28,7 @@ using OperatorFactory = std::function<std::unique_ptr<RunOperator>(
     simulation::Simulation&, const simulation::RunRecorder&, const LiveLink&)>;
 
 struct RunOptions {
-  sim::Scenario scenario;
+  simulation::Scenario scenario;
   std::filesystem::path out;                                     // the folder of the results
   simulation::HostFactory make_host = simulation::in_process();  // where the firmware runs
   simulation::RobotChange change{};                              // of the robot in the world
@@ -50,7 +50,7 @@ struct RunProgress {
 };
 
 struct RunResult {
-  sim::RunSummary summary;
+  simulation::RunSummary summary;
   // The error that ended the run early, such as a simulation that diverged or a fault of the firmware.
   std::optional<std::string> failure;
   nlohmann::ordered_json live;              // LiveLink::report
@@ -60,8 +60,8 @@ struct RunResult {
 // `koboshi run`: plays a scenario, as fast as possible or in real time. Writes trace.csv, can.log,
 // events.txt, timing.json, figures and, if asked for, run.mcap into the folder, after an operator also
 // played.yaml, and last summary.json, whose presence means that all files are complete. Locks the folder
-// meanwhile. Throws sim::InputError for bad input, before anything is written. A run that ends early keeps
-// its records: after an error, after sim::WriteError, and after SIGINT or SIGTERM, which throw Interrupted.
+// meanwhile. Throws InputError for bad input, before anything is written. A run that ends early keeps
+// its records: after an error, after WriteError, and after SIGINT or SIGTERM, which throw Interrupted.
 // In real time these signals end the run normally.
 RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress);
 

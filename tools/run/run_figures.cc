@@ -5,44 +5,44 @@
 #include <string>
 #include <vector>
 
+#include "base/text/user_units.h"
 #include "firmware/behaviour/behaviour.h"
-#include "sim_board/input/user_units.h"
-#include "tools/lab/plot/legend.h"
+#include "tools/plot/legend.h"
 #include "tools/run/walk_figures.h"
 
 namespace koboshi::tools {
 namespace {
 
-std::string label_of(const sim::Command& command, const sim::Scenario& scenario) {
+std::string label_of(const simulation::Command& command, const simulation::Scenario& scenario) {
   switch (command.kind) {
-    case sim::Command::Kind::kEnable:
+    case simulation::Command::Kind::kEnable:
       return "enable";
-    case sim::Command::Kind::kWalk:
+    case simulation::Command::Kind::kWalk:
       return "walk";
-    case sim::Command::Kind::kPlay:
+    case simulation::Command::Kind::kPlay:
       return "play " + (command.motion < scenario.motions.size() ? scenario.motions[command.motion].name()
-                                                                 : std::string(sim::kGaitMotion));
-    case sim::Command::Kind::kStop:
+                                                                 : std::string(simulation::kGaitMotion));
+    case simulation::Command::Kind::kStop:
       return "stop";
-    case sim::Command::Kind::kGetUp:
+    case simulation::Command::Kind::kGetUp:
       return "get up";
-    case sim::Command::Kind::kEmergencyStop:
+    case simulation::Command::Kind::kEmergencyStop:
       return "emergency stop";
-    case sim::Command::Kind::kReset:
+    case simulation::Command::Kind::kReset:
       return "reset";
   }
   return {};
 }
 
-std::vector<Mark> marks_of(const sim::Scenario& scenario) {
+std::vector<Mark> marks_of(const simulation::Scenario& scenario) {
   std::vector<Mark> marks;
-  for (const sim::Command& command : scenario.commands) {
+  for (const simulation::Command& command : scenario.commands) {
     marks.push_back({1e-6 * static_cast<double>(command.at_us), label_of(command, scenario)});
   }
   if (scenario.initial.release_us) {
     marks.push_back({1e-6 * static_cast<double>(*scenario.initial.release_us), "release"});
   }
-  for (const sim::Push& push : scenario.pushes)
+  for (const simulation::Push& push : scenario.pushes)
     marks.push_back({1e-6 * static_cast<double>(push.at_us), "push"});
   std::ranges::stable_sort(marks, {}, &Mark::x);
   return marks;
@@ -62,39 +62,38 @@ Series from(double begin_s, Series series) {
   return series;
 }
 
-Figure body_figure(const sim::Scenario& scenario, double begin_s) {
+Figure body_figure(const simulation::Scenario& scenario, double begin_s) {
   using enum Role;
-  return {.title = "Trunk and feet",
-          .panels = {{.y_label = "height of trunk [mm]",
-                      .series = {from(begin_s, series(kPlanned, "pose_base_z_m", "of the commanded pose",
-                                                      sim::kMmPerM)),
-                                 series(kTrue, "true_base_z_m", "true", sim::kMmPerM)},
-                      .smallest_span = 10.0},
-                     {.y_label = "pitch [deg]",
-                      .series = {from(begin_s,
-                                      series(kMeasured, "imu_pitch_rad", "estimated", sim::kDegreesPerRad)),
-                                 series(kTrue, "true_pitch_rad", "true", sim::kDegreesPerRad)},
-                      .smallest_span = 2.0},
-                     {.y_label = "load of foot [N]",
-                      .series = {series(kLeft, "true_left_load_N", "left, true"),
-                                 series(kRight, "true_right_load_N", "right, true")},
-                      .smallest_span = 2.0},
-                     {.y_label = "slip of foot [mm]",
-                      .series = {series(kLeft, "true_left_slip_m", "left, true", sim::kMmPerM),
-                                 series(kRight, "true_right_slip_m", "right, true", sim::kMmPerM)},
-                      .smallest_span = 0.1}},
-          .marks = marks_of(scenario)};
+  return {
+      .title = "Trunk and feet",
+      .panels = {{.y_label = "height of trunk [mm]",
+                  .series = {from(begin_s,
+                                  series(kPlanned, "pose_base_z_m", "of the commanded pose", kMmPerM)),
+                             series(kTrue, "true_base_z_m", "true", kMmPerM)},
+                  .smallest_span = 10.0},
+                 {.y_label = "pitch [deg]",
+                  .series = {from(begin_s, series(kMeasured, "imu_pitch_rad", "estimated", kDegreesPerRad)),
+                             series(kTrue, "true_pitch_rad", "true", kDegreesPerRad)},
+                  .smallest_span = 2.0},
+                 {.y_label = "load of foot [N]",
+                  .series = {series(kLeft, "true_left_load_N", "left, true"),
+                             series(kRight, "true_right_load_N", "right, true")},
+                  .smallest_span = 2.0},
+                 {.y_label = "slip of foot [mm]",
+                  .series = {series(kLeft, "true_left_slip_m", "left, true", kMmPerM),
+                             series(kRight, "true_right_slip_m", "right, true", kMmPerM)},
+                  .smallest_span = 0.1}},
+      .marks = marks_of(scenario)};
 }
 
 Panel joint_panel(const std::string& joint, const std::string& name, double begin_s) {
-  return {
-      .y_label = name + " [deg]",
-      .series = {from(begin_s, series(Role::kPlanned, joint + "_target_rad", "target", sim::kDegreesPerRad)),
-                 series(Role::kTrue, joint + "_true_rad", "true", sim::kDegreesPerRad)},
-      .smallest_span = 2.0};
+  return {.y_label = name + " [deg]",
+          .series = {from(begin_s, series(Role::kPlanned, joint + "_target_rad", "target", kDegreesPerRad)),
+                     series(Role::kTrue, joint + "_true_rad", "true", kDegreesPerRad)},
+          .smallest_span = 2.0};
 }
 
-Figure legs_figure(const sim::Scenario& scenario, double begin_s) {
+Figure legs_figure(const simulation::Scenario& scenario, double begin_s) {
   return {.title = "Left leg",
           .panels = {joint_panel("left_hip_pitch", "hip pitch", begin_s),
                      joint_panel("left_knee", "knee", begin_s),
@@ -111,7 +110,8 @@ std::set<std::string> shown_columns() {
 
 }  // namespace
 
-ShownTrace::ShownTrace(const std::vector<sim::TraceColumn>& columns) : columns_(make_columns({"time_s"})) {
+ShownTrace::ShownTrace(const std::vector<simulation::TraceColumn>& columns)
+    : columns_(make_columns({"time_s"})) {
   const std::set<std::string> shown = shown_columns();
   for (std::size_t cell = 0; cell < columns.size(); ++cell) {
     if (!shown.contains(columns[cell].title())) continue;
@@ -128,14 +128,14 @@ void ShownTrace::thin_out() {
   stride_ *= 2;
 }
 
-void ShownTrace::add(std::uint64_t time_us, std::span<const sim::TraceValue> row) {
+void ShownTrace::add(std::uint64_t time_us, std::span<const simulation::TraceValue> row) {
   if (rows_++ % stride_ != 0) return;
   if (columns_[0].second.size() == kMaxRows) thin_out();
   columns_[0].second.push_back(static_cast<double>(time_us) / 1e6);
   for (std::size_t i = 0; i < cells_.size(); ++i) columns_[i + 1].second.push_back(row[cells_[i]].number());
 }
 
-void draw_run_figures(const sim::Scenario& scenario, const Columns& trace,
+void draw_run_figures(const simulation::Scenario& scenario, const Columns& trace,
                       const std::filesystem::path& folder) {
   const double begin = begin_s(trace);
   draw(body_figure(scenario, begin), trace, folder / "body");

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "sim_board/record/trace.h"
-#include "sim_board/scenario/scenario.h"
-#include "tools/lab/plot/figure.h"
+#include "simulation/record/trace.h"
+#include "simulation/scenario/scenario.h"
+#include "tools/plot/figure.h"
 
 namespace koboshi::tools {
 
@@ -18,10 +18,10 @@ class ShownTrace {
   static constexpr std::size_t kMaxRows = 120'000;  // 20 minutes at 100 Hz, about 50 MB
 
   // `columns` are those of the trace.
-  explicit ShownTrace(const std::vector<sim::TraceColumn>& columns);
+  explicit ShownTrace(const std::vector<simulation::TraceColumn>& columns);
 
   // A row of the trace.
-  void add(std::uint64_t time_us, std::span<const sim::TraceValue> row);
+  void add(std::uint64_t time_us, std::span<const simulation::TraceValue> row);
   const Columns& columns() const { return columns_; }
 
  private:
@@ -35,7 +35,7 @@ class ShownTrace {
 
 // Draws the figures of a run, as PNG and SVG: body.* (height, inclination, feet) and legs.* (targets and
 // positions). Throws PlotError.
-void draw_run_figures(const sim::Scenario& scenario, const Columns& trace,
+void draw_run_figures(const simulation::Scenario& scenario, const Columns& trace,
                       const std::filesystem::path& folder);
 
 }  // namespace koboshi::tools

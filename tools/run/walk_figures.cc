@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "base/text/user_units.h"
 #include "firmware/behaviour/behaviour.h"
-#include "sim_board/input/user_units.h"
 #include "sim_board/world/foot.h"
 #include "sim_board/world/gravity.h"
 #include "sim_board/world/support_polygon.h"
-#include "simulation/scenario/parameters.h"
-#include "tools/lab/plot/legend.h"
+#include "simulation/assembly/parameters.h"
+#include "tools/plot/legend.h"
 
 namespace koboshi::tools {
 namespace {
@@ -26,7 +26,7 @@ constexpr double kStance_s = 0.05;
 constexpr double kWordFromHeel_m = 0.012;
 
 constexpr double kMinLoadShare = 0.1;  // of the weight; a ZMP under less load is noise
-using sim::kGravity_m_per_s2;
+using sim_board::kGravity_m_per_s2;
 constexpr int kOutlineColour = 7;
 
 // A range of rows.
@@ -45,7 +45,7 @@ std::vector<Rows> stances(const std::vector<double>& times_s, const std::vector<
                           Rows shown) {
   std::vector<Rows> found;
   for (std::size_t row = shown.begin; row < shown.end; ++row) {
-    if (loads_N[row] < sim::kLoaded_N) continue;
+    if (loads_N[row] < sim_board::kLoaded_N) continue;
     const bool goes_on = !found.empty() && times_s[row] - times_s[found.back().end - 1] < kStance_s;
     if (!goes_on) found.push_back({row, row});
     found.back().end = row + 1;
@@ -55,16 +55,16 @@ std::vector<Rows> stances(const std::vector<double>& times_s, const std::vector<
   return found;
 }
 
-std::vector<Eigen::Vector2d> outline_in_sole(const sim::Foot& foot) {
+std::vector<Eigen::Vector2d> outline_in_sole(const sim_board::Foot& foot) {
   std::vector<Eigen::Vector2d> corners_m;
   for (const Eigen::Vector3d& corner_L : foot.corners_L) {
     corners_m.push_back((foot.X_LSole.inverse() * corner_L).head<2>());
   }
-  return sim::convex_hull(corners_m);
+  return sim_board::convex_hull(corners_m);
 }
 
-void add_footprints(PlaneFigure& figure, const Columns& trace, const sim::Foot& foot, const std::string& side,
-                    Rows shown) {
+void add_footprints(PlaneFigure& figure, const Columns& trace, const sim_board::Foot& foot,
+                    const std::string& side, Rows shown) {
   const std::vector<Eigen::Vector2d> outline_m = outline_in_sole(foot);
   // Near the heel, where the ZMP rarely is.
   const double heel_m = std::ranges::min(outline_m, {}, [](const auto& p) { return p.x(); }).x();
@@ -77,7 +77,7 @@ void add_footprints(PlaneFigure& figure, const Columns& trace, const sim::Foot& 
                                      values_of(trace, sole + "y_m")[middle]);
     const Eigen::Rotation2Dd yaw(values_of(trace, sole + "yaw_rad")[middle]);
     const auto place = [&](const Eigen::Vector2d& p_S_m) {
-      const Eigen::Vector2d at_mm = sim::kMmPerM * (p_W_m * (yaw * p_S_m));
+      const Eigen::Vector2d at_mm = kMmPerM * (p_W_m * (yaw * p_S_m));
       return Point{at_mm.x(), at_mm.y()};
     };
     Outline footprint{.colour = kOutlineColour, .word = side, .word_at = place(word_S_m)};
@@ -95,7 +95,7 @@ std::vector<Point> path_mm(const Columns& trace, const std::string& name, Rows s
   for (std::size_t row = shown.begin; row < shown.end; ++row) {
     double load_N = 0.0;
     for (const std::string& load : loads) load_N += values_of(trace, load)[row];
-    const double factor = load_N >= min_N ? sim::kMmPerM : std::numeric_limits<double>::quiet_NaN();
+    const double factor = load_N >= min_N ? kMmPerM : std::numeric_limits<double>::quiet_NaN();
     points.push_back({factor * x_m[row], factor * y_m[row]});
   }
   return points;
@@ -112,9 +112,8 @@ Panel both_legs_panel(const std::string& joint, const std::string& name) {
   for (const auto& [side, role] : {std::pair("left", Role::kLeft), std::pair("right", Role::kRight)}) {
     const std::string column = std::string(side) + "_" + joint;
     panel.series.push_back(
-        planned_series(role, column + "_target_rad", std::string(side) + ", target", sim::kDegreesPerRad));
-    panel.series.push_back(
-        series(role, column + "_true_rad", std::string(side) + ", true", sim::kDegreesPerRad));
+        planned_series(role, column + "_target_rad", std::string(side) + ", target", kDegreesPerRad));
+    panel.series.push_back(series(role, column + "_true_rad", std::string(side) + ", true", kDegreesPerRad));
   }
   return panel;
 }
@@ -122,8 +121,8 @@ Panel both_legs_panel(const std::string& joint, const std::string& name) {
 Panel attitude_panel(const std::string& y_label, const std::string& told, const std::string& told_label,
                      const std::string& truth) {
   return {.y_label = y_label,
-          .series = {series(Role::kTrue, truth, "true", sim::kDegreesPerRad),
-                     series(Role::kMeasured, told, told_label, sim::kDegreesPerRad)},
+          .series = {series(Role::kTrue, truth, "true", kDegreesPerRad),
+                     series(Role::kMeasured, told, told_label, kDegreesPerRad)},
           .smallest_span = 2.0};
 }
 
@@ -135,7 +134,7 @@ std::string offset_note(const Columns& trace, Span time_s) {
     const std::vector<double>& true_rad = values_of(trace, "true_" + angle + "_rad");
     double sum_rad = 0.0;
     for (std::size_t row = shown.begin; row < shown.end; ++row) sum_rad += estimated_rad[row] - true_rad[row];
-    return sum_rad / static_cast<double>(shown.end - shown.begin) * sim::kDegreesPerRad;
+    return sum_rad / static_cast<double>(shown.end - shown.begin) * kDegreesPerRad;
   };
   return fmt::format(
       "Estimated less true, on average: roll {:+.1f} deg, pitch {:+.1f} deg. A constant part is the "
@@ -185,7 +184,7 @@ std::optional<Span> walk_to_show(const Columns& trace, double cycle_s) {
   return Span{middle_s, middle_s + kShownCycles * cycle_s};
 }
 
-double commanded_cycle_s(const sim::Scenario& scenario) {
+double commanded_cycle_s(const simulation::Scenario& scenario) {
   return 2.0 * 1e-3 * simulation::controller_values(scenario).walk.step.time_ms;
 }
 
@@ -203,13 +202,13 @@ std::set<std::string> walk_columns() {
   return names;
 }
 
-PlaneFigure zmp_figure(const Columns& trace, const sim::RobotDescription& robot, Span time_s) {
+PlaneFigure zmp_figure(const Columns& trace, const sim_board::RobotDescription& robot, Span time_s) {
   const Rows shown = rows_within(values_of(trace, "time_s"), time_s);
   PlaneFigure figure{
       .title = fmt::format("ZMP over the footprints, {:.1f} s to {:.1f} s", time_s.low, time_s.high),
       .x_label = "x, ahead [mm]",
       .y_label = "y, left [mm]"};
-  const auto feet = sim::feet_of(robot);
+  const auto feet = sim_board::feet_of(robot);
   if (feet[0]) add_footprints(figure, trace, *feet[0], "left", shown);
   if (feet[1]) add_footprints(figure, trace, *feet[1], "right", shown);
   const double min_N = kMinLoadShare * robot.total_mass_kg() * kGravity_m_per_s2;
@@ -221,7 +220,7 @@ PlaneFigure zmp_figure(const Columns& trace, const sim::RobotDescription& robot,
   return figure;
 }
 
-void draw_walk_figures(const Columns& trace, const sim::RobotDescription& robot, double cycle_s,
+void draw_walk_figures(const Columns& trace, const sim_board::RobotDescription& robot, double cycle_s,
                        const std::filesystem::path& folder) {
   const std::optional<Span> time_s = walk_to_show(trace, cycle_s);
   if (!time_s) return;

@@ -5,10 +5,10 @@
 #include <set>
 #include <string>
 
-#include "sim_board/robot/description.h"
-#include "sim_board/scenario/scenario.h"
-#include "tools/lab/plot/figure.h"
-#include "tools/lab/plot/plane_figure.h"
+#include "sim_board/description/description.h"
+#include "simulation/scenario/scenario.h"
+#include "tools/plot/figure.h"
+#include "tools/plot/plane_figure.h"
 
 namespace koboshi::tools {
 
@@ -21,14 +21,14 @@ std::optional<Span> walk_to_show(const Columns& trace, double cycle_s);
 
 // The paper's figure 8: planned, measured and true ZMP over the footprints, seen from above. Shows no ZMP
 // where the feet together carry less than a tenth of the weight: there it is noise.
-PlaneFigure zmp_figure(const Columns& trace, const sim::RobotDescription& robot, Span time_s);
+PlaneFigure zmp_figure(const Columns& trace, const sim_board::RobotDescription& robot, Span time_s);
 
 // Duration of two steps of a walk at a commanded velocity, by the scenario's parameters.
-double commanded_cycle_s(const sim::Scenario& scenario);
+double commanded_cycle_s(const simulation::Scenario& scenario);
 
 // Draws the figures of a walk, if there is one, as PNG and SVG: zmp.*, joints.* (targets and positions of the
 // legs) and attitude.*. Throws PlotError.
-void draw_walk_figures(const Columns& trace, const sim::RobotDescription& robot, double cycle_s,
+void draw_walk_figures(const Columns& trace, const sim_board::RobotDescription& robot, double cycle_s,
                        const std::filesystem::path& folder);
 
 }  // namespace koboshi::tools

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "sim_board/input/xml_reader.h"
-#include "sim_board/robot/sdf_schema.h"
+#include "base/xml/xml_reader.h"
+#include "sim_board/description/schema/sdf_schema.h"
 
 namespace koboshi::tools {
 namespace {
@@ -60,7 +60,8 @@ std::string servo_type_from(const Datasheet& sheet) {
       fmt::arg("name", sheet.name), fmt::arg("kt", kt), fmt::arg("resistance", resistance_ohm),
       fmt::arg("inertia", inertia_kg_m2), fmt::arg("coulomb", coulomb_Nm),
       fmt::arg("kv", viscous_Nm / sheet.no_load_speed_rad_per_s));
-  static_cast<void>(sim::XmlFile("servo type", text, sim::servo_library_rule()));  // what we print, must load
+  static_cast<void>(
+      XmlFile("servo type", text, sim_board::servo_library_rule()));  // what we print, must load
   return text;
 }
 

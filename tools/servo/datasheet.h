@@ -23,7 +23,7 @@ struct Datasheet {
 
 // Makes a library of one koboshi:servo_type with the sheet's stall torque and no-load speed, and its
 // assumptions as comments: at stall kt V / R - Kc = stall torque; at no load kt (V - kt w) / R = Kc + Kv w.
-// Throws sim::InputError if a value is out of the range of a robot file.
+// Throws InputError if a value is out of the range of a robot file.
 std::string servo_type_from(const Datasheet& sheet);
 
 }  // namespace koboshi::tools

@@ -8,15 +8,15 @@
 namespace koboshi::tools {
 namespace {
 
-using sim::kGravity_m_per_s2;
+using sim_board::kGravity_m_per_s2;
 
 constexpr double kArm_m = 0.1;
 
 // An arm along x that turns about -y: a positive angle lifts it.
-sim::RobotDescription bench(const sim::ServoDescription& servo, const RigLoad& load) {
-  sim::RobotDescription robot;
+sim_board::RobotDescription bench(const sim_board::ServoDescription& servo, const RigLoad& load) {
+  sim_board::RobotDescription robot;
   robot.name = "bench";
-  sim::LinkDescription link;
+  sim_board::LinkDescription link;
   link.name = "case";
   link.mass_kg = 1.0;
   robot.links.push_back(link);
@@ -26,7 +26,7 @@ sim::RobotDescription bench(const sim::ServoDescription& servo, const RigLoad& l
   link.p_LCom_L = {mass_kg > 0.0 ? kArm_m : 0.0, 0.0, 0.0};
   link.I_LCom_L = load.inertia_kg_m2 * Eigen::Matrix3d::Identity();
   robot.links.push_back(link);
-  sim::JointDescription joint;
+  sim_board::JointDescription joint;
   joint.name = "shaft";
   joint.parent = 0;
   joint.child = 1;
@@ -38,8 +38,8 @@ sim::RobotDescription bench(const sim::ServoDescription& servo, const RigLoad& l
   return robot;
 }
 
-sim::WorldOptions bench_options() {
-  sim::WorldOptions options;
+sim_board::WorldOptions bench_options() {
+  sim_board::WorldOptions options;
   options.step_s = ServoRig::kStep_s;
   options.gravity_W_m_per_s2 = {0.0, 0.0, -kGravity_m_per_s2};
   options.ground.present = false;
@@ -49,25 +49,25 @@ sim::WorldOptions bench_options() {
 
 }  // namespace
 
-ServoRig::ServoRig(const sim::ServoDescription& servo, const RigLoad& load)
+ServoRig::ServoRig(const sim_board::ServoDescription& servo, const RigLoad& load)
     : supply_V_(servo.supply_V),
       robot_(bench(servo, load)),
-      world_(sim::make_world(robot_, bench_options())),
+      world_(sim_board::make_world(robot_, bench_options())),
       servo_(robot_.joints[0], {.step_s = kStep_s}) {}
 
 void ServoRig::drive_to(double target_rad, double outer_Nm) {
-  advance(static_cast<std::int32_t>(std::lround(target_rad / sim::kRadPerPositionUnit)), outer_Nm);
+  advance(static_cast<std::int32_t>(std::lround(target_rad / sim_board::kRadPerPositionUnit)), outer_Nm);
 }
 
 void ServoRig::drive_fully(double outer_Nm) {
-  constexpr std::int32_t kTurn = 1 << sim::kPositionBits;
+  constexpr std::int32_t kTurn = 1 << sim_board::kPositionBits;
   advance(servo_.position_units() + 100 * kTurn, outer_Nm);
 }
 
 void ServoRig::advance(std::int32_t target_units, double outer_Nm) {
   servo_.sense(world_->joint(0));
   servo_.drive(target_units);
-  const auto steps = std::lround(sim::PositionController::kPeriod_s / kStep_s);
+  const auto steps = std::lround(sim_board::PositionController::kPeriod_s / kStep_s);
   for (long i = 0; i < steps; ++i) {
     servo_.draw(world_->joint(0));
     world_->set_servo(0, servo_.torque(supply_V_));

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/servo/servo.h"
 #include "sim_board/world/world.h"
 
@@ -20,7 +20,7 @@ class ServoRig {
  public:
   static constexpr double kStep_s = 0.0005;
 
-  ServoRig(const sim::ServoDescription& servo, const RigLoad& load);
+  ServoRig(const sim_board::ServoDescription& servo, const RigLoad& load);
 
   // Runs the servo's loop for a millisecond, with an external torque on the arm.
   void drive_to(double target_rad, double outer_Nm);
@@ -32,15 +32,15 @@ class ServoRig {
   double speed_rad_per_s() const { return world_->joint(0).speed_rad_per_s; }
   // Torque of the servo on the arm in the last step.
   double output_Nm() const { return world_->joint(0).servo_Nm; }
-  const sim::Servo& servo() const { return servo_; }
+  const sim_board::Servo& servo() const { return servo_; }
 
  private:
   void advance(std::int32_t target_units, double outer_Nm);
 
   double supply_V_;
-  sim::RobotDescription robot_;
-  std::unique_ptr<sim::World> world_;
-  sim::Servo servo_;
+  sim_board::RobotDescription robot_;
+  std::unique_ptr<sim_board::World> world_;
+  sim_board::Servo servo_;
 };
 
 }  // namespace koboshi::tools

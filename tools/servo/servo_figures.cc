@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "sim_board/input/user_units.h"
+#include "base/text/user_units.h"
 #include "sim_board/servo/dry_friction.h"
-#include "tools/lab/plot/figure.h"
-#include "tools/lab/plot/legend.h"
+#include "tools/plot/figure.h"
+#include "tools/plot/legend.h"
 #include "tools/servo/rig.h"
 
 namespace koboshi::tools {
@@ -21,7 +21,7 @@ constexpr int kDigits = 6;  // of the numbers in the CSV files
 
 class ServoFigures {
  public:
-  ServoFigures(const std::string& name, const sim::ServoDescription& servo,
+  ServoFigures(const std::string& name, const sim_board::ServoDescription& servo,
                const std::filesystem::path& folder)
       : name_(name), servo_(servo), friction_(servo), folder_(folder) {}
 
@@ -125,18 +125,18 @@ class ServoFigures {
       add_row(table, {time_s, target, position_rad, target - position_rad, speed_rad_per_s, motor_Nm,
                       output_Nm, friction_.bound_Nm(motor_Nm, -output_Nm, speed_rad_per_s)});
     }
-    finish(what, table,
-           {.title = title,
-            .panels = {{.y_label = "angle [deg]",
-                        .series = {series(Role::kPlanned, "target_rad", "target", sim::kDegreesPerRad),
-                                   series(Role::kTrue, "position_rad", "shaft", sim::kDegreesPerRad)}},
-                       {.y_label = "error [deg]",
-                        .series = {{.column = "error_rad", .factor = sim::kDegreesPerRad}}},
-                       {.y_label = "speed [rad/s]", .series = {{.column = "speed_rad_per_s"}}},
-                       {.y_label = "torque [N m]",
-                        .series = {series(Role::kFirst, "motor_Nm", "motor"),
-                                   series(Role::kSecond, "output_Nm", "on the arm"),
-                                   series(Role::kTheory, "friction_Nm", "bound of dry friction")}}}});
+    finish(
+        what, table,
+        {.title = title,
+         .panels = {{.y_label = "angle [deg]",
+                     .series = {series(Role::kPlanned, "target_rad", "target", kDegreesPerRad),
+                                series(Role::kTrue, "position_rad", "shaft", kDegreesPerRad)}},
+                    {.y_label = "error [deg]", .series = {{.column = "error_rad", .factor = kDegreesPerRad}}},
+                    {.y_label = "speed [rad/s]", .series = {{.column = "speed_rad_per_s"}}},
+                    {.y_label = "torque [N m]",
+                     .series = {series(Role::kFirst, "motor_Nm", "motor"),
+                                series(Role::kSecond, "output_Nm", "on the arm"),
+                                series(Role::kTheory, "friction_Nm", "bound of dry friction")}}}});
   }
 
   void draw_step() {
@@ -235,21 +235,21 @@ class ServoFigures {
     finish("backlash", table,
            {.title = "holding its position under a torque from outside",
             .panels = {{.y_label = "angle [deg]",
-                        .series = {series(Role::kTrue, "position_rad", "shaft", sim::kDegreesPerRad),
-                                   series(Role::kFirst, "rotor_rad", "rotor, geared", sim::kDegreesPerRad)}}},
+                        .series = {series(Role::kTrue, "position_rad", "shaft", kDegreesPerRad),
+                                   series(Role::kFirst, "rotor_rad", "rotor, geared", kDegreesPerRad)}}},
             .x_column = "outer_Nm",
             .x_label = "torque from outside [N m]"});
   }
 
   std::string name_;
-  sim::ServoDescription servo_;
-  sim::DryFriction friction_;
+  sim_board::ServoDescription servo_;
+  sim_board::DryFriction friction_;
   std::filesystem::path folder_;
 };
 
 }  // namespace
 
-void draw_servo(const std::string& name, const sim::ServoDescription& servo,
+void draw_servo(const std::string& name, const sim_board::ServoDescription& servo,
                 const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
   ServoFigures(name, servo, folder).draw_all();

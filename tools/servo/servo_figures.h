@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 
 namespace koboshi::tools {
 
@@ -16,8 +16,8 @@ namespace koboshi::tools {
 //   friction_load   the same over the load; the largest load that the motor lifts, the smallest that drives
 //   it back backlash        the shaft under an alternating external torque while the servo holds its position
 //
-// Makes the folder. Throws sim::WriteError and PlotError.
-void draw_servo(const std::string& name, const sim::ServoDescription& servo,
+// Makes the folder. Throws WriteError and PlotError.
+void draw_servo(const std::string& name, const sim_board::ServoDescription& servo,
                 const std::filesystem::path& folder);
 
 }  // namespace koboshi::tools

@@ -6,11 +6,11 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "base/text/error.h"
 #include "firmware/behaviour/state.h"
-#include "sim_board/input/error.h"
+#include "simulation/assembly/simulation.h"
 #include "simulation/host/qemu_host.h"
 #include "simulation/observe/run_recorder.h"
-#include "simulation/scenario/simulation.h"
 #include "tools/target/part_counter.h"
 
 namespace koboshi::tools {
@@ -20,8 +20,7 @@ nlohmann::ordered_json read_description(const std::filesystem::path& image) {
   std::filesystem::path path = image;
   path += ".json";
   std::ifstream file(path);
-  if (!file)
-    throw sim::InputError(path, 0, "no such file", "the image's description, which ./run target writes");
+  if (!file) throw InputError(path, 0, "no such file", "the image's description, which ./run target writes");
   return nlohmann::ordered_json::parse(file);
 }
 
@@ -40,7 +39,7 @@ std::uint64_t sum(const PartCounts& counts) {
 }
 
 // Plays the scenario to its end and sets `stack_peak_bytes`.
-std::vector<Tick> play(const sim::Scenario& scenario, const std::filesystem::path& image,
+std::vector<Tick> play(const simulation::Scenario& scenario, const std::filesystem::path& image,
                        PartCounter& counter, std::uint32_t& stack_peak_bytes) {
   simulation::QemuHost* host = nullptr;
   simulation::Simulation simulation(scenario, [&](std::span<const std::byte> contents) {
@@ -86,7 +85,7 @@ Distribution distribution(std::vector<std::uint64_t> values) {
           .max = values.back()};
 }
 
-TargetReport measure_target(const sim::Scenario& scenario, const std::filesystem::path& image) {
+TargetReport measure_target(const simulation::Scenario& scenario, const std::filesystem::path& image) {
   TargetReport report;
   report.image = read_description(image);
   PartCounter counter(report.image);

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim_board/scenario/scenario.h"
+#include "simulation/scenario/scenario.h"
 #include "tools/target/parts.h"
 
 namespace koboshi::tools {
@@ -46,9 +46,10 @@ struct TargetReport {
 };
 
 // Plays the scenario with this image of the firmware in QEMU; its description is a file beside it. The same
-// image and scenario give the same report. Throws sim::InputError when a file is missing, and what a run
+// image and scenario give the same report. Throws InputError when a file is missing, and what a run
 // throws.
-[[nodiscard]] TargetReport measure_target(const sim::Scenario& scenario, const std::filesystem::path& image);
+[[nodiscard]] TargetReport measure_target(const simulation::Scenario& scenario,
+                                          const std::filesystem::path& image);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const TargetReport& report);
 // The tables of the report in Markdown, which also reads well on a terminal.

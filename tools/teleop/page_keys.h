@@ -1,7 +1,7 @@
 #pragma once
 
 #include "tools/teleop/key_queue.h"
-#include "tools/view/live/live_view.h"
+#include "view/live/live_view.h"
 
 namespace koboshi::tools {
 

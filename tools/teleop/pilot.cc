@@ -36,21 +36,21 @@ constexpr Steering kSteering[] = {
     {Key::kTurnRight, &walk::Velocity::turn_mrad_per_s, -Pilot::kTurnStep_mrad_per_s, 0.0, -1.0},
 };
 
-sim::Command command(sim::Command::Kind kind) { return {.kind = kind}; }
+simulation::Command command(simulation::Command::Kind kind) { return {.kind = kind}; }
 
-sim::Command walk_command(const walk::Velocity& velocity) {
-  return {.kind = sim::Command::Kind::kWalk,
+simulation::Command walk_command(const walk::Velocity& velocity) {
+  return {.kind = simulation::Command::Kind::kWalk,
           .velocity = 1e-3 * Eigen::Vector3d(velocity.forward_mm_per_s, velocity.left_mm_per_s,
                                              velocity.turn_mrad_per_s)};
 }
 
 }  // namespace
 
-sim::Push BodyPush::on(const std::string& link, double heading_rad) const {
-  sim::Push push;
+simulation::Push BodyPush::on(const std::string& link, double heading_rad) const {
+  simulation::Push push;
   push.duration_us = kPushDuration_us;
   push.link.text = link;
-  push.shape = sim::Push::Shape::kHalfSine;
+  push.shape = simulation::Push::Shape::kHalfSine;
   // The mean of a half sine is 2/pi of its peak.
   const double peak_per_impulse_per_s = 0.5 * std::numbers::pi / (1e-6 * kPushDuration_us);
   push.force_W_N.head<2>() = peak_per_impulse_per_s * (Eigen::Rotation2Dd(heading_rad) * impulse_B_N_s);
@@ -58,7 +58,7 @@ sim::Push BodyPush::on(const std::string& link, double heading_rad) const {
 }
 
 Order Pilot::press(Key key, behaviour::State state) {
-  using Kind = sim::Command::Kind;
+  using Kind = simulation::Command::Kind;
   const bool on_its_feet = state == behaviour::State::kStanding || state == behaviour::State::kWalking;
   if (!on_its_feet) velocity_ = {};
   const bool aimed = std::exchange(aims_, key == Key::kPush);

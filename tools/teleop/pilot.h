@@ -7,7 +7,7 @@
 
 #include "firmware/behaviour/state.h"
 #include "firmware/walk/velocity.h"
-#include "sim_board/scenario/scenario.h"
+#include "simulation/scenario/scenario.h"
 #include "tools/teleop/key.h"
 
 namespace koboshi::tools {
@@ -17,12 +17,12 @@ struct BodyPush {
   Eigen::Vector2d impulse_B_N_s = Eigen::Vector2d::Zero();
 
   // Returns the push of a link, for a robot with this heading: a half sine of 0.1 s.
-  [[nodiscard]] sim::Push on(const std::string& link, double heading_rad) const;
+  [[nodiscard]] simulation::Push on(const std::string& link, double heading_rad) const;
 };
 
 // The effect of a key: none, a command for the controller, a push, or the end of the run.
 struct EndOfRun {};
-using Order = std::variant<std::monostate, sim::Command, BodyPush, EndOfRun>;
+using Order = std::variant<std::monostate, simulation::Command, BodyPush, EndOfRun>;
 
 // Translates keys into orders. Keeps the last commanded velocity; knows neither terminal nor robot.
 class Pilot {

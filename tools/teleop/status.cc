@@ -7,8 +7,8 @@
 #include <span>
 #include <string_view>
 
+#include "base/text/user_units.h"
 #include "firmware/app/controller_objects.h"
-#include "sim_board/input/user_units.h"
 #include "simulation/observe/event_words.h"
 #include "tools/teleop/map.h"
 
@@ -40,7 +40,7 @@ std::string state_text(const TeleopStatus& status) {
   if (status.tilt_rad > simulation::kFallen_rad) {
     text = "LIES; ";
   } else if (status.tilt_rad > simulation::kUpAgain_rad) {
-    text = fmt::format("leans by {:.0f} degrees; ", sim::kDegreesPerRad * status.tilt_rad);
+    text = fmt::format("leans by {:.0f} degrees; ", kDegreesPerRad * status.tilt_rad);
   }
   if (simulation::has_not_noticed(status.said.state, status.tilt_rad)) return text + simulation::kNotNoticed;
   text += simulation::name_of(status.said.state) + ", by " + simulation::name_of(status.said.reason);
@@ -55,13 +55,13 @@ std::string axes_text(const TeleopStatus::Velocity& velocity) {
 }
 
 std::string attitude_text(const TeleopStatus& status) {
-  return fmt::format("roll {:+.1f}, pitch {:+.1f} degrees", sim::kDegreesPerRad * status.said.roll_rad,
-                     sim::kDegreesPerRad * status.said.pitch_rad);
+  return fmt::format("roll {:+.1f}, pitch {:+.1f} degrees", kDegreesPerRad * status.said.roll_rad,
+                     kDegreesPerRad * status.said.pitch_rad);
 }
 
 std::string place_text(const TeleopStatus& status) {
   return fmt::format("x {:+.2f} m, y {:+.2f} m, heading {:+.0f} degrees", status.place.x(), status.place.y(),
-                     sim::kDegreesPerRad * status.place.z());
+                     kDegreesPerRad * status.place.z());
 }
 
 std::string load_text(const TeleopStatus& status) {
@@ -75,18 +75,17 @@ std::string load_text(const TeleopStatus& status) {
 std::string zmp_text(const TeleopStatus& status) {
   const auto& zmp = status.said.zmp;
   if (!zmp.valid) return "none: no foot carries enough";
-  std::string text = fmt::format("{:+.0f}, {:+.0f} mm on the {} sole", sim::kMmPerM * zmp.x_m,
-                                 sim::kMmPerM * zmp.y_m, zmp.frame == hal::Side::kLeft ? "left" : "right");
-  if (status.zmp_margin_m)
-    text += fmt::format(", true margin {:.0f} mm", sim::kMmPerM * *status.zmp_margin_m);
+  std::string text = fmt::format("{:+.0f}, {:+.0f} mm on the {} sole", kMmPerM * zmp.x_m, kMmPerM * zmp.y_m,
+                                 zmp.frame == hal::Side::kLeft ? "left" : "right");
+  if (status.zmp_margin_m) text += fmt::format(", true margin {:.0f} mm", kMmPerM * *status.zmp_margin_m);
   return text;
 }
 
 std::string com_text(const TeleopStatus& status) {
   if (!status.said.zmp.valid) return "";
   const auto& com_S_m = status.said.com_S_m;
-  return fmt::format("{:+.0f}, {:+.0f}, {:+.0f} mm from there", sim::kMmPerM * com_S_m[0],
-                     sim::kMmPerM * com_S_m[1], sim::kMmPerM * com_S_m[2]);
+  return fmt::format("{:+.0f}, {:+.0f}, {:+.0f} mm from there", kMmPerM * com_S_m[0], kMmPerM * com_S_m[1],
+                     kMmPerM * com_S_m[2]);
 }
 
 }  // namespace

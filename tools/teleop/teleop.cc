@@ -8,8 +8,8 @@
 #include <utility>
 #include <variant>
 
+#include "simulation/assembly/parameters.h"
 #include "simulation/observe/run_recorder.h"
-#include "simulation/scenario/parameters.h"
 
 namespace koboshi::tools {
 namespace {
@@ -72,7 +72,7 @@ void Teleop::tell_page() {
 bool Teleop::obey(Key key) {
   last_key_ = name_of(key);
   const Order order = pilot_.press(key, recorder_.telemetry().state);
-  if (const auto* command = std::get_if<sim::Command>(&order)) simulation_.command(*command);
+  if (const auto* command = std::get_if<simulation::Command>(&order)) simulation_.command(*command);
   if (const auto* push = std::get_if<BodyPush>(&order)) {
     simulation_.push(push->on(simulation_.robot().links.front().name, recorder_.truth().rpy_rad.z()));
   }
@@ -96,8 +96,8 @@ void Teleop::measure() {
 }
 
 TeleopStatus Teleop::status() const {
-  const sim::SimBoard& board = simulation_.board();
-  const sim::Scenario& scenario = simulation_.scenario();
+  const sim_board::SimBoard& board = simulation_.board();
+  const simulation::Scenario& scenario = simulation_.scenario();
   TeleopStatus status;
   status.scenario = scenario.file.filename().string();
   if (live_.transport() != nullptr) status.bus = live_.transport()->place();

@@ -12,7 +12,7 @@
 #include "tools/teleop/sliding_rate.h"
 #include "tools/teleop/status.h"
 #include "tools/teleop/terminal.h"
-#include "tools/view/live/live_view.h"
+#include "view/live/live_view.h"
 
 namespace koboshi::tools {
 

@@ -5,7 +5,7 @@
 #include <ctime>
 #include <utility>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 500'000};
@@ -102,4 +102,4 @@ void BackgroundTransport::fetch_arrived() {
   has_arrived_ = true;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

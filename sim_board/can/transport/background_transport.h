@@ -10,7 +10,7 @@
 
 #include "sim_board/can/transport/transport.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Moves the calls of a transport to a separate thread, so that system calls do not delay the simulation. The
 // thread polls for frames to send every half millisecond, so that the simulation need not wake it, and reads
@@ -67,4 +67,4 @@ class BackgroundTransport final : public Transport {
   std::jthread thread_;  // declared last, so that it ends first
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

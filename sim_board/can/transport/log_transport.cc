@@ -4,7 +4,7 @@
 
 #include "sim_board/can/candump_log.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 LogTransport::LogTransport(const std::filesystem::path& file) : file_(file), log_(file) {}
 
@@ -14,4 +14,4 @@ bool LogTransport::send(const hal::CanFrame& frame, std::uint64_t time_us) {
   return true;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

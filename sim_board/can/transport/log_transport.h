@@ -2,10 +2,10 @@
 
 #include <filesystem>
 
+#include "base/file/output_file.h"
 #include "sim_board/can/transport/transport.h"
-#include "sim_board/record/output_file.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Writes the bus traffic in simulated time to a log in the format of candump -L. Receives nothing.
 class LogTransport final : public Transport {
@@ -24,4 +24,4 @@ class LogTransport final : public Transport {
   OutputFile log_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

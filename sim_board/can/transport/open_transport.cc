@@ -8,7 +8,7 @@
 #include "sim_board/can/transport/transport.h"
 #include "sim_board/can/transport/udp_multicast.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 std::unique_ptr<Transport> open_socketcan(const std::string& interface, bool real_bus) {
@@ -64,4 +64,4 @@ std::unique_ptr<Transport> open_transport(const std::string& name, const Transpo
                               "', expected none, socketcan:INTERFACE, udp:GROUP:PORT, slcan or log:FILE");
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

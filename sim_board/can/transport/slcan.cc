@@ -7,7 +7,7 @@
 #include <array>
 #include <charconv>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using hal::checked;
@@ -164,4 +164,4 @@ bool Slcan::write_out(std::string_view text) {
   return true;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -8,7 +8,7 @@
 #include "hal/linux/file_descriptor.h"
 #include "sim_board/can/transport/transport.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // The adapter's side of Lawicel's ASCII protocol (CANUSB manual, "CANUSB ASCII commands"; Linux: slcan)
 // without the serial line: converts commands to answers and frames.
@@ -58,4 +58,4 @@ class Slcan final : public Transport {
   std::string unsent_;  // rest of a line that the terminal had no room for
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -7,7 +7,7 @@
 #include "hal/linux/socketcan.h"
 #include "sim_board/can/transport/transport.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // A SocketCAN interface of Linux.
 class SocketCanTransport final : public Transport {
@@ -47,4 +47,4 @@ class SocketCanTransport final : public Transport {
   hal::SocketCan socket_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

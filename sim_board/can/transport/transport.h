@@ -9,7 +9,7 @@
 #include "hal/port/can.h"
 #include "sim_board/can/foreign_frame.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Connects the simulated bus to nodes outside this process. All calls are non-blocking.
 class Transport {
@@ -59,4 +59,4 @@ struct TransportOptions {
 // option that the transport does not have, and std::system_error if a system call fails.
 std::unique_ptr<Transport> open_transport(const std::string& name, const TransportOptions& options = {});
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 void TransportNode::poll(std::uint64_t now_us, bool behind) {
   behind_ = behind;
@@ -31,4 +31,4 @@ void TransportNode::on_frame(const hal::CanFrame& frame, std::uint64_t time_us) 
   if (sent && behind_) ++counters_.late_sent;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,7 +5,7 @@
 #include "sim_board/can/bus.h"
 #include "sim_board/can/transport/transport.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Represents all nodes behind a transport as one node of the simulated bus. It acknowledges frames, as their
 // controllers would. As with any other node, only the oldest process frame and the oldest service frame take
@@ -55,4 +55,4 @@ class TransportNode final : private BusNode {
   Counters counters_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -19,7 +19,7 @@
 
 #include "hal/linux/socket_option.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Json = nlohmann::json;
@@ -358,4 +358,4 @@ bool UdpMulticast::is_for_group(msghdr& message) {
   return to_group;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

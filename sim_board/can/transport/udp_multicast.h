@@ -14,7 +14,7 @@
 #include "hal/linux/file_descriptor.h"
 #include "sim_board/can/transport/transport.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // A frame in the format of python-can's udp_multicast: one datagram with one MessagePack map (python-can 4,
 // interfaces/udp_multicast/utils.py). The time is in seconds since the epoch. python-can's own datagrams are
@@ -101,4 +101,4 @@ class UdpMulticast final : public Transport {
   std::size_t incoming_size_ = 0;                   // of each datagram in it
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,7 +2,7 @@
 
 #include "sim_board/world/surface_contact.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Parameters of a MuJoCo constraint row that is equivalent to ODE's row with an ERP and a CFM.
 //
@@ -36,4 +36,4 @@ inline ConstraintRow constraint_row(const Softness& softness, int moving, double
           .impedance = d};
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

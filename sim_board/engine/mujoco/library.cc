@@ -4,7 +4,7 @@
 #include <array>
 #include <mutex>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // Throws through MuJoCo's C functions. They own nothing but their arena, which is discarded with the world,
@@ -61,4 +61,4 @@ MujocoData make_data(const mjModel& model) {
   return data;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

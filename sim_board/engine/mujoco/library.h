@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "sim_board/engine/delete_by.h"
+#include "sim_board/engine/common/delete_by.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Owning pointers for MuJoCo's objects.
 using MujocoModel = std::unique_ptr<mjModel, DeleteBy<mj_deleteModel>>;
@@ -32,4 +32,4 @@ MujocoModel load_model(const std::string& mjcf);
 // Allocates the data of a model. Throws MujocoError.
 MujocoData make_data(const mjModel& model);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // Bounds of the relaxation factor: slopes F' from -49 to 0.9 converge within them. When a contact changes
@@ -62,4 +62,4 @@ void LiftIteration::lower() {
     if (residuals_[i] < -kTolerance_m_per_s) lifts_[i] += residuals_[i];
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Solves Coulomb's law as the fixed point of a sequence of convex contact problems.
 //
@@ -64,4 +64,4 @@ class LiftIteration {
   std::vector<double> last_residuals_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -7,10 +7,10 @@
 #include <initializer_list>
 #include <stdexcept>
 
-#include "sim_board/engine/model_constants.h"
+#include "sim_board/engine/common/model_constants.h"
 #include "sim_board/engine/mujoco/constraint_row.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using tinyxml2::XMLPrinter;
@@ -272,4 +272,4 @@ std::string model_text(const RobotDescription& robot, const std::vector<Touching
   return xml.CStr();
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

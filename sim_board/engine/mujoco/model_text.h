@@ -3,12 +3,12 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/world/link_tree.h"
 #include "sim_board/world/options.h"
 #include "sim_board/world/surface_contact.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // A box with the index of its link, in the link's order.
 struct NumberedBox {
@@ -48,4 +48,4 @@ std::string geom_name(int box);
 std::string model_text(const RobotDescription& robot, const std::vector<TouchingPair>& pairs,
                        const WorldOptions& options, Base base);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

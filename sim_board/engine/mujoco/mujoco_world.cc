@@ -5,11 +5,11 @@
 #include <stdexcept>
 #include <string>
 
-#include "sim_board/engine/limits.h"
-#include "sim_board/engine/make_world.h"
+#include "sim_board/engine/common/limits.h"
+#include "sim_board/engine/mujoco/has_mujoco.h"
 #include "sim_board/engine/mujoco/scene.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 class MujocoWorld final : public World {
@@ -151,4 +151,4 @@ std::unique_ptr<World> make_mujoco_world(const RobotDescription& robot, const Wo
   }
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,14 +2,14 @@
 
 #include <memory>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/world/options.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Creates a MuJoCo world with the robot at rest. Throws std::invalid_argument for an invalid description or
 // options.
 std::unique_ptr<World> make_mujoco_world(const RobotDescription& robot, const WorldOptions& options);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

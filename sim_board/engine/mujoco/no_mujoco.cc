@@ -1,9 +1,9 @@
 #include <stdexcept>
 
-#include "sim_board/engine/make_world.h"
+#include "sim_board/engine/mujoco/has_mujoco.h"
 #include "sim_board/engine/mujoco/mujoco_world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Replaces the rest of this folder if MuJoCo is not installed.
 
@@ -13,4 +13,4 @@ std::unique_ptr<World> make_mujoco_world(const RobotDescription&, const WorldOpt
   throw std::invalid_argument("this program was built without MuJoCo");
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -6,13 +6,13 @@
 #include <optional>
 #include <tuple>
 
-#include "sim_board/engine/impact_search.h"
-#include "sim_board/engine/model_constants.h"
+#include "sim_board/engine/common/impact_search.h"
+#include "sim_board/engine/common/model_constants.h"
+#include "sim_board/engine/common/normal_row.h"
 #include "sim_board/engine/mujoco/constraint_row.h"
-#include "sim_board/engine/normal_row.h"
 #include "sim_board/world/box_overlap.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // A contact of less depth is never false: it can do no harm.
@@ -359,4 +359,4 @@ std::uint64_t Scene::warnings() const {
   return warnings;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -6,16 +6,16 @@
 #include <span>
 #include <vector>
 
+#include "sim_board/description/description.h"
 #include "sim_board/engine/mujoco/library.h"
 #include "sim_board/engine/mujoco/lift_iteration.h"
 #include "sim_board/engine/mujoco/model_text.h"
-#include "sim_board/robot/description.h"
 #include "sim_board/state/archive.h"
 #include "sim_board/world/link_tree.h"
 #include "sim_board/world/options.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // A MuJoCo model and its data, with the indices of the RobotDescription. The sequence of a step is:
 // set_servo() and push(), solve(), read the results, move().
@@ -105,4 +105,4 @@ class Scene {
   std::uint64_t unsettled_ = 0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,7 +4,7 @@
 
 #include "sim_board/engine/ode/eigen.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // Inertia of a unit mass at `r` about the origin.
@@ -65,7 +65,7 @@ std::size_t Bodies::index_of(int link) const {
 }
 
 void Bodies::set_pose(int link, const Eigen::Isometry3d& X_WL) {
-  sim::set_pose(of(link), X_WL * Eigen::Translation3d(p_LCom_L(link)));
+  sim_board::set_pose(of(link), X_WL * Eigen::Translation3d(p_LCom_L(link)));
 }
 
 BodyState Bodies::state(int link) const {
@@ -74,4 +74,4 @@ BodyState Bodies::state(int link) const {
           vector_of(dBodyGetAngularVel(body))};
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

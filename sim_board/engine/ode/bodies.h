@@ -7,12 +7,12 @@
 #include <span>
 #include <vector>
 
+#include "sim_board/description/description.h"
 #include "sim_board/engine/ode/hinge_chains.h"
 #include "sim_board/engine/ode/library.h"
-#include "sim_board/robot/description.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // ODE bodies of the links. Each frame is at the link's centre of mass with its axes. A link between the
 // hinges of a chain has no body. The tree's solver knows it where it is (TreeStep); for ODE, its mass is at
@@ -63,4 +63,4 @@ class Bodies {
   std::vector<int> links_;  // by body
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

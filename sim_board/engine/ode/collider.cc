@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
-#include "sim_board/engine/model_constants.h"
+#include "sim_board/engine/common/model_constants.h"
 #include "sim_board/engine/ode/eigen.h"
 #include "sim_board/world/surface_contact.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // A box has eight corners, and the contact area of two boxes face to face has at most eight.
@@ -391,4 +391,4 @@ void Collider::drop_gaps() {
   for (Contact& contact : contacts_) contact.depth_m = std::max(contact.depth_m, 0.0);
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -7,21 +7,21 @@
 #include <span>
 #include <vector>
 
-#include "sim_board/engine/friction.h"
-#include "sim_board/engine/normal_row.h"
+#include "sim_board/description/description.h"
+#include "sim_board/engine/common/friction.h"
+#include "sim_board/engine/common/normal_row.h"
 #include "sim_board/engine/ode/bodies.h"
 #include "sim_board/engine/ode/height_field_contact.h"
 #include "sim_board/engine/ode/library.h"
 #include "sim_board/engine/ode/near_boxes.h"
 #include "sim_board/engine/ode/touch.h"
 #include "sim_board/engine/tree/tree_solver.h"
-#include "sim_board/robot/description.h"
 #include "sim_board/state/archive.h"
 #include "sim_board/world/link_tree.h"
 #include "sim_board/world/options.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Detects contacts of the links' boxes with the ground and each other, and creates ODE's contact joints or
 // rows of the tree's solver.
@@ -143,4 +143,4 @@ class Collider {
       feedbacks_;  // by contact; does not move while there are joints, because ODE writes into it
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

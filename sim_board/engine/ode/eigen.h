@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Converts ODE's arrays (4-element vectors, 3x4 rotation matrices) to Eigen's types.
 
@@ -51,4 +51,4 @@ inline void set_pose(dBodyID body, const Eigen::Isometry3d& pose) {
   dBodySetPosition(body, pose.translation().x(), pose.translation().y(), pose.translation().z());
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

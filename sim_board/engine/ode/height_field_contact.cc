@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Isometry3d;
@@ -118,4 +118,4 @@ void HeightFieldContact::spread(std::size_t most) {
   points_.resize(most, points_.front());
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

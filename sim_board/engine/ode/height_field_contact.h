@@ -8,7 +8,7 @@
 
 #include "sim_board/world/ground.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Contacts of boxes with a height field. Replaces ODE's collider, which takes the first points found,
 // wherever under the sole they are, and allocates memory in a step.
@@ -45,4 +45,4 @@ class HeightFieldContact {
   std::vector<Point> points_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,7 +5,7 @@
 #include "sim_board/engine/ode/eigen.h"
 #include "sim_board/engine/ode/library.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // The sole's rows in their order, beginning with first_row_.
@@ -127,4 +127,4 @@ bool HeldSole::is_possible(const TreeSolver& solver, double friction) {
   return true;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -9,7 +9,7 @@
 
 #include "sim_board/engine/tree/tree_solver.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // A contact point of a foot with the ground.
 struct SolePoint {
@@ -83,4 +83,4 @@ class HeldSole {
   std::size_t first_row_ = 0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::size_t kMaxHinges = 3;
@@ -106,4 +106,4 @@ std::vector<HingeChain> lumped_hinges(const RobotDescription& robot, const LinkT
   return chains;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

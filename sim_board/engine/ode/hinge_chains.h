@@ -3,10 +3,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "sim_board/world/link_tree.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Consecutive hinges that intersect in one point and connect the same two bodies, such as the three of a hip
 // or the two of an ankle. The links between them have no body of ODE: their poses follow from those of the
@@ -31,4 +31,4 @@ std::vector<HingeChain> single_hinges(const LinkTree& tree);
 // hinge's range.
 std::vector<HingeChain> lumped_hinges(const RobotDescription& robot, const LinkTree& tree);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

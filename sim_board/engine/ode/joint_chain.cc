@@ -6,7 +6,7 @@
 
 #include "sim_board/engine/ode/eigen.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // Share of a joint's position error that one step removes: ODE's default ERP. The tree's joints drift by
@@ -267,4 +267,4 @@ void JointChain::read_ode_joint() {
   }
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

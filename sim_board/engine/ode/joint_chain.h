@@ -8,15 +8,15 @@
 #include <span>
 #include <vector>
 
+#include "sim_board/description/description.h"
 #include "sim_board/engine/ode/bodies.h"
 #include "sim_board/engine/ode/hinge_chains.h"
 #include "sim_board/engine/ode/library.h"
 #include "sim_board/engine/ode/servo_motor.h"
-#include "sim_board/robot/description.h"
 #include "sim_board/state/archive.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // A chain of hinges as one ODE joint (hinge, universal joint or ball) with a servo motor per hinge. The
 // motion of the links in between follows from that of the two bodies.
@@ -131,4 +131,4 @@ class JointChain {
   std::array<Velocity, kMaxHinges - 1> between_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -3,7 +3,7 @@
 #include <cstdarg>
 #include <stdexcept>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 thread_local std::uint64_t* warnings_of_this_thread = nullptr;
@@ -31,4 +31,4 @@ OdeWarningCount::OdeWarningCount(std::uint64_t& warnings) { warnings_of_this_thr
 
 OdeWarningCount::~OdeWarningCount() { warnings_of_this_thread = nullptr; }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <memory>
 
-#include "sim_board/engine/delete_by.h"
+#include "sim_board/engine/common/delete_by.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Owning pointers for ODE's objects.
 using OdeThreading = std::unique_ptr<dxThreadingImplementation, DeleteBy<dThreadingFreeImplementation>>;
@@ -38,4 +38,4 @@ class OdeWarningCount {
   OdeWarningCount& operator=(const OdeWarningCount&) = delete;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -6,7 +6,7 @@
 #include "sim_board/engine/ode/eigen.h"
 #include "sim_board/world/box_overlap.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Vector3d;
@@ -85,4 +85,4 @@ std::size_t NearBoxes::find_gaps(dGeomID box, dGeomID other, double reach_m, std
   return count;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -6,7 +6,7 @@
 
 #include "sim_board/engine/ode/library.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Contacts of two boxes, and points at which they are about to touch.
 //
@@ -29,4 +29,4 @@ class NearBoxes {
   OdeGeom probe_;  // the moved box
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -8,8 +8,8 @@
 #include <string>
 #include <tuple>
 
-#include "sim_board/engine/impact_search.h"
-#include "sim_board/engine/limits.h"
+#include "sim_board/engine/common/impact_search.h"
+#include "sim_board/engine/common/limits.h"
 #include "sim_board/engine/ode/bodies.h"
 #include "sim_board/engine/ode/collider.h"
 #include "sim_board/engine/ode/eigen.h"
@@ -21,7 +21,7 @@
 #include "sim_board/engine/ode/tree_step.h"
 #include "sim_board/world/link_tree.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // Maximum number of friction guesses per step; then the solver decides. A squat needs 1.12 on average, a walk
@@ -336,4 +336,4 @@ std::unique_ptr<World> make_ode_world(const RobotDescription& robot, const World
   return std::make_unique<OdeWorld>(robot, options);
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 template <std::size_t kSize>
@@ -47,4 +47,4 @@ void SavedBodies::restore(std::span<const OdeBody> bodies) const {
   }
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -7,7 +7,7 @@
 #include "sim_board/engine/ode/library.h"
 #include "sim_board/state/archive.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Saves what a step changes in the bodies: their motion and the accumulated forces. Restores the same bits.
 class SavedBodies {
@@ -32,4 +32,4 @@ class SavedBodies {
   std::vector<Saved> bodies_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

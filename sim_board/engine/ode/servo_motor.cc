@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim_board/engine/model_constants.h"
+#include "sim_board/engine/common/model_constants.h"
 #include "sim_board/engine/ode/eigen.h"
 #include "sim_board/world/surface_contact.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // After two wrong guesses within this time the solver decides, for the same duration. Otherwise a joint with
@@ -190,4 +190,4 @@ Eigen::Vector3d ServoMotor::on_parent_Nm() const {  // the second body
   return vector_of(feedbacks_->servo.t2) + vector_of(feedbacks_->stop.t2);
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -6,14 +6,14 @@
 #include <memory>
 #include <vector>
 
+#include "sim_board/description/description.h"
 #include "sim_board/engine/ode/library.h"
 #include "sim_board/engine/tree/tree_solver.h"
-#include "sim_board/robot/description.h"
 #include "sim_board/state/archive.h"
 #include "sim_board/world/surface_contact.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Servo and stops of one hinge as rows of the constraint solver. ODE solves each row as J v_new = vel - CFM
 // lambda, with lambda in N m bounded by +-FMax. Angular motors provide these rows:
@@ -125,4 +125,4 @@ class ServoMotor {
   double tree_Nm_ = 0.0;  // torque of the tree's axis, without those rows
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,7 +5,7 @@
 
 #include "sim_board/engine/ode/eigen.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::size_t kMinPoints = 3;
@@ -149,4 +149,4 @@ bool Soles::rests(const Sole& sole, const Collider& collider) const {
   });
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

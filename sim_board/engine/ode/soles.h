@@ -5,13 +5,13 @@
 #include <cstddef>
 #include <vector>
 
+#include "sim_board/description/description.h"
 #include "sim_board/engine/ode/bodies.h"
 #include "sim_board/engine/ode/collider.h"
 #include "sim_board/engine/ode/held_sole.h"
-#include "sim_board/robot/description.h"
 #include "sim_board/state/archive.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Guesses before each solution which links rest flat on the ground. These become held soles, whose rows
 // replace those of their contacts. A link whose contacts have kept it at rest for a while is held from then
@@ -61,4 +61,4 @@ class Soles {
   std::vector<SolePoint> points_;  // of one sole; reused memory
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim_board/engine/model_constants.h"
+#include "sim_board/engine/common/model_constants.h"
 #include "sim_board/engine/ode/eigen.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // A smaller normal force is rounding.
@@ -92,4 +92,4 @@ dContact ode_contact(const Touch& touch, double target_m_per_s) {
   return contact;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

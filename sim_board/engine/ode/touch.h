@@ -6,10 +6,10 @@
 #include <array>
 #include <cstddef>
 
-#include "sim_board/engine/friction.h"
-#include "sim_board/engine/normal_row.h"
+#include "sim_board/engine/common/friction.h"
+#include "sim_board/engine/common/normal_row.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // A contact for the solvers: ODE's description of its point and surface, and its friction.
 struct Touch {
@@ -44,4 +44,4 @@ std::array<Eigen::Vector3d, 2> friction_axes(const dContact& contact);
 // row.
 dContact ode_contact(const Touch& touch, double target_m_per_s);
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

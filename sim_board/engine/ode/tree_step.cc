@@ -5,7 +5,7 @@
 
 #include "sim_board/engine/ode/eigen.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // Gyroscopic torque in N m, implicit as in ODE, so that it adds no energy. With the angular momentum L = I w:
@@ -158,4 +158,4 @@ void TreeStep::finish(std::span<JointChain> chains) {
   }
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

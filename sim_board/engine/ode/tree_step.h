@@ -11,7 +11,7 @@
 #include "sim_board/engine/tree/tree_solver.h"
 #include "sim_board/state/archive.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // One step of ODE's bodies with the tree's solver in place of ODE's: the same equations of motion, contacts
 // and servos, and the same integration. The robot's joints are eliminated instead of being rows of a dense
@@ -68,4 +68,4 @@ class TreeStep {
   std::vector<Velocity> velocities_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

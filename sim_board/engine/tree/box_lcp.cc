@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // Violation of a condition that counts as rounding, relative to the largest x or b. At 0.1 m/s, it is a speed
@@ -159,4 +159,4 @@ bool BoxLcp::release() {
   return true;
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

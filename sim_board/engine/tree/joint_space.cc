@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 std::size_t dof_index(int dof) { return static_cast<std::size_t>(dof); }
@@ -131,4 +131,4 @@ void JointSpace::find_joint_impulses(std::span<const Vector6> row_impulses) {
   for (std::size_t j = joints_.size(); j-- > 0;) flows_[joints_[j].parent] += flows_[joints_[j].child];
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

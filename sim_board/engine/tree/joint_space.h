@@ -6,7 +6,7 @@
 
 #include "sim_board/engine/tree/spatial.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // Velocities of a tree of rigid bodies after one step, in joint coordinates: implicit in the servos' damping.
 //
@@ -106,4 +106,4 @@ class JointSpace {
   std::vector<Vector6> flows_;       // by body: sum over the bodies behind it
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // Rows for which memory is allocated in advance: 30 contact points and the friction of all joints. For more,
@@ -241,4 +241,4 @@ void TreeSolver::find_joint_impulses() {
   tree_.find_joint_impulses(body_impulses_);
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -6,13 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "sim_board/engine/friction.h"
+#include "sim_board/engine/common/friction.h"
 #include "sim_board/engine/tree/box_lcp.h"
 #include "sim_board/engine/tree/joint_space.h"
 #include "sim_board/engine/tree/spatial.h"
 #include "sim_board/state/archive.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // A scalar constraint on the velocities after the step, with a bounded impulse x along it:
 //   jacobian . v_body + other_jacobian . v_other + softness x = target,  lower <= x <= upper,
@@ -116,4 +116,4 @@ class TreeSolver {
   BoxLcp lcp_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

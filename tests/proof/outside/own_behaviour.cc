@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <vector>
 
-#include "sim_board/scenario/reader.h"
+#include "simulation/assembly/operator_input.h"
 #include "simulation/observe/watched_simulation.h"
-#include "simulation/scenario/operator_input.h"
+#include "simulation/scenario/reader.h"
 
 namespace {
 
@@ -30,9 +30,9 @@ bool walk_there(WatchedSimulation& robot) {
 
 int main(int count, char** arguments) {
   if (count != 2) return 2;
-  const std::vector<koboshi::sim::Override> overrides{{"physics.stepper", "lumped"},
-                                                      {"commands", "[{at_s: 2, enable: true}]"}};
-  WatchedSimulation robot(koboshi::sim::read_scenario(arguments[1], overrides));
+  const std::vector<koboshi::Override> overrides{{"physics.stepper", "lumped"},
+                                                 {"commands", "[{at_s: 2, enable: true}]"}};
+  WatchedSimulation robot(koboshi::simulation::read_scenario(arguments[1], overrides));
   robot.step(4500);
   const bool there = walk_there(robot);
   std::printf("%s\n", robot.recorder().events().verdict().c_str());

@@ -55,7 +55,7 @@ TEST(CopyEdits, PasteRefusesOtherTextsAndOtherRobots) {
   const auto message = [&](const std::string& text) -> std::string {
     try {
       document->paste({kEndOf, 0}, text);
-    } catch (const sim::InputError& error) {
+    } catch (const InputError& error) {
       return error.what();
     }
     return "";
@@ -67,7 +67,7 @@ TEST(CopyEdits, PasteRefusesOtherTextsAndOtherRobots) {
   EXPECT_NE(message(""), "");
   EXPECT_EQ(document->text(), kSample);
   const auto version_1 = document_of("version: 1\nrobot: koboshi\nname: a\nsteps:\n  - {wait_s: 1}\n");
-  EXPECT_THROW(static_cast<void>(version_1->paste({kEndOf, 0}, copied)), sim::InputError);
+  EXPECT_THROW(static_cast<void>(version_1->paste({kEndOf, 0}, copied)), InputError);
 }
 
 TEST(MirrorEdits, MirrorRowsWithNewPosesWhereNeeded) {

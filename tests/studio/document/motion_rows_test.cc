@@ -1,4 +1,4 @@
-#include "tools/studio/document/motion_rows.h"
+#include "studio/document/motion_rows.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/studio/document/neighbours.h"
+#include "studio/document/neighbours.h"
 
 #include <gtest/gtest.h>
 

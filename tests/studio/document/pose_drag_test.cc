@@ -1,4 +1,4 @@
-#include "tools/studio/document/pose_drag.h"
+#include "studio/document/pose_drag.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "firmware/fixed/host/convert.h"
-#include "sim_board/robot/load.h"
+#include "sim_board/description/load.h"
 #include "sim_board/world/link_tree.h"
 #include "tests/studio/document/sample_document.h"
 
@@ -24,7 +24,7 @@ constexpr double kSupport_m = 0.0001;
 // The bodies in double precision, from the robot's description: another way than that of the firmware.
 class Bodies {
  public:
-  Bodies() : robot_(sim::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf")), tree_(robot_) {}
+  Bodies() : robot_(sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf")), tree_(robot_) {}
 
   // In the trunk's frame.
   Isometry3d pose(DragBody body, std::span<const double> angles_rad) const {
@@ -51,8 +51,8 @@ class Bodies {
     }
   }
 
-  sim::RobotDescription robot_;
-  sim::LinkTree tree_;
+  sim_board::RobotDescription robot_;
+  sim_board::LinkTree tree_;
 };
 
 const Bodies& bodies() {

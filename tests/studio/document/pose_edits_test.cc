@@ -115,13 +115,13 @@ TEST(PoseEdits, MergeWhileAJointIsDragged) {
 
 TEST(PoseEdits, RefuseWhatDoesNotFitAndChangeNothing) {
   const auto document = document_of();
-  EXPECT_THROW(set_angle(*document, 0, "left_knee", 400), sim::InputError);
-  EXPECT_THROW(set_angle(*document, 0, "no_joint", 1), sim::InputError);
-  EXPECT_THROW(set_angle(*document, 1, "left_knee", 1), sim::InputError);  // a wait
-  EXPECT_THROW(set_angle(*document, 99, "left_knee", 1), sim::InputError);
-  EXPECT_THROW(document->rename_pose("none", "a"), sim::InputError);
-  EXPECT_THROW(document->rename_pose("stand", "wave"), sim::InputError);
-  EXPECT_THROW(document->rename_pose("stand", ""), sim::InputError);
+  EXPECT_THROW(set_angle(*document, 0, "left_knee", 400), InputError);
+  EXPECT_THROW(set_angle(*document, 0, "no_joint", 1), InputError);
+  EXPECT_THROW(set_angle(*document, 1, "left_knee", 1), InputError);  // a wait
+  EXPECT_THROW(set_angle(*document, 99, "left_knee", 1), InputError);
+  EXPECT_THROW(document->rename_pose("none", "a"), InputError);
+  EXPECT_THROW(document->rename_pose("stand", "wave"), InputError);
+  EXPECT_THROW(document->rename_pose("stand", ""), InputError);
   EXPECT_EQ(document->text(), kSample);
   EXPECT_FALSE(document->history().can_undo());
 }
@@ -131,7 +131,7 @@ TEST(PoseEdits, RefuseJointsThatTheMotionMayNotMove) {
       "version: 2\nrobot: koboshi\nname: a\njoints: [head]\nposes:\n  a: {head_pan: 5}\n"
       "steps:\n  - {pose: a, time_s: 1}\n";
   const auto document = document_of(text);
-  EXPECT_THROW(set_angle(*document, 0, "left_knee", 5), sim::InputError);
+  EXPECT_THROW(set_angle(*document, 0, "left_knee", 5), InputError);
   EXPECT_EQ(document->text(), text);
   // All joints of a robot that stands with its head turned.
   std::vector<JointAngle> angles;

@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <random>
 
+#include "studio/document/edit_support.h"
 #include "tests/studio/document/sample_document.h"
 #include "tests/support/seed.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/simulation/motion/random_program.h"
-#include "tools/studio/document/edit_support.h"
+#include "tests/unit/simulation/motion_language/random_program.h"
 
 namespace koboshi::studio {
 namespace {
@@ -25,7 +25,7 @@ class RandomEdits {
     try {
       edit_once();
       ++done_;
-    } catch (const sim::InputError&) {
+    } catch (const InputError&) {
       EXPECT_EQ(document_.text(), before) << "a refused edit has changed the text";
       EXPECT_EQ(document_.revision(), revision);
       if (below(4) == 0) check_tree();
@@ -102,11 +102,11 @@ class RandomEdits {
 
   // The tree, of which an edit parses only a part, is that of the whole text.
   void check_tree() {
-    const sim::YamlNode whole = sim::parse_yaml(document_.text(), document_.file());
+    const YamlNode whole = parse_yaml(document_.text(), document_.file());
     EXPECT_TRUE(same_tree(*document_.tree(), whole)) << document_.text();
   }
-  static bool same_tree(const sim::YamlNode& one, const sim::YamlNode& other) {
-    const auto places = [](const sim::YamlNode& node) {
+  static bool same_tree(const YamlNode& one, const YamlNode& other) {
+    const auto places = [](const YamlNode& node) {
       return std::array{node.line, node.column, node.value_line, node.value_column};
     };
     return one.kind == other.kind && one.path == other.path && one.key == other.key &&
@@ -153,7 +153,7 @@ class RandomEdits {
   }
 
   std::string some_pose() {
-    const sim::YamlNode* poses = document_.tree() != nullptr ? document_.tree()->find("poses") : nullptr;
+    const YamlNode* poses = document_.tree() != nullptr ? document_.tree()->find("poses") : nullptr;
     return poses == nullptr || poses->items.empty() ? "none" : poses->items[below(poses->items.size())].key;
   }
 

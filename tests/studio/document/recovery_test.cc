@@ -1,4 +1,4 @@
-#include "tools/studio/document/recovery.h"
+#include "studio/document/recovery.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -79,7 +79,7 @@ TEST(Saving, NoticesOtherProgramsAndReloadsAsAnEdit) {
   EXPECT_EQ(document->changed_on_disk(), DiskChange::kNone) << "touched, not changed";
   fs::remove(files.file);
   EXPECT_EQ(document->changed_on_disk(), DiskChange::kGone);
-  EXPECT_THROW(document->reload(), sim::InputError);
+  EXPECT_THROW(document->reload(), InputError);
 }
 
 TEST(Saving, BeginsAMotionWithTheStandingPose) {
@@ -90,13 +90,12 @@ TEST(Saving, BeginsAMotionWithTheStandingPose) {
   const auto& angles = document->rows().rows.at(0).angles_rad;
   for (std::size_t i = 0; i < angles.size(); ++i)
     EXPECT_NEAR(angles[i], sample_robot()->standing_rad[i], 1e-4);
-  EXPECT_THROW(document->save(), sim::InputError);
-  EXPECT_THROW(document->reload(), sim::InputError);
+  EXPECT_THROW(document->save(), InputError);
+  EXPECT_THROW(document->reload(), InputError);
   document->save_as(files.folder.path / "new.yaml");
   EXPECT_FALSE(document->is_modified());
-  EXPECT_THROW(static_cast<void>(MotionDocument::begin(sample_robot(), "")), sim::InputError);
-  EXPECT_THROW(static_cast<void>(MotionDocument::begin(sample_robot(), std::string(25, 'a'))),
-               sim::InputError);
+  EXPECT_THROW(static_cast<void>(MotionDocument::begin(sample_robot(), "")), InputError);
+  EXPECT_THROW(static_cast<void>(MotionDocument::begin(sample_robot(), std::string(25, 'a'))), InputError);
 }
 
 TEST(Recovery, IsThereAfterACrashAndRestores) {
@@ -209,11 +208,10 @@ TEST(Document, StaysEditableAsATextThatIsNoYaml) {
   EXPECT_TRUE(document->rows().rows.empty());
   ASSERT_FALSE(document->diagnostics().empty());
   EXPECT_EQ(document->diagnostics().front().code, "M001");
-  EXPECT_THROW(document->set_time(Rows{0}, 1), sim::InputError);
-  EXPECT_THROW(document->mirror_motion(), sim::InputError);
-  EXPECT_THROW(static_cast<void>(document->insert_step({StepPlace::Kind::kEndOf, 0}, "end")),
-               sim::InputError);
-  EXPECT_THROW(document->upgrade(), sim::InputError);
+  EXPECT_THROW(document->set_time(Rows{0}, 1), InputError);
+  EXPECT_THROW(document->mirror_motion(), InputError);
+  EXPECT_THROW(static_cast<void>(document->insert_step({StepPlace::Kind::kEndOf, 0}, "end")), InputError);
+  EXPECT_THROW(document->upgrade(), InputError);
   EXPECT_EQ(document->text(), "version: [");
   const std::uint64_t revision = document->revision();
   document->undo();

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/input/error.h"
-#include "tools/studio/document/motion_document.h"
+#include "base/text/error.h"
+#include "studio/document/motion_document.h"
 
 namespace koboshi::studio {
 

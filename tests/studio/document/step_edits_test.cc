@@ -53,20 +53,20 @@ TEST(TimeEdits, ScaleRowsWithTheirBodies) {
 
 TEST(TimeEdits, RefuseWhatDoesNotFitAndChangeNothing) {
   const auto document = document_of();
-  EXPECT_THROW(document->set_time(Rows{0, 1}, 61), sim::InputError);
-  EXPECT_THROW(document->set_time(Rows{0, 1}, 0), sim::InputError);
-  EXPECT_THROW(document->set_time(Rows{0, 8}, 1), sim::InputError);  // a jump
-  EXPECT_THROW(document->set_speed(Rows{0, 1}, 1), sim::InputError);
-  EXPECT_THROW(document->set_pause(Rows{1}, 1), sim::InputError);
-  EXPECT_THROW(document->scale_time(Rows{0}, 0), sim::InputError);
-  EXPECT_THROW(document->scale_time(Rows{0}, 1e5), sim::InputError);
-  EXPECT_THROW(document->set_value(0, "time_s.more", "1"), sim::InputError);
+  EXPECT_THROW(document->set_time(Rows{0, 1}, 61), InputError);
+  EXPECT_THROW(document->set_time(Rows{0, 1}, 0), InputError);
+  EXPECT_THROW(document->set_time(Rows{0, 8}, 1), InputError);  // a jump
+  EXPECT_THROW(document->set_speed(Rows{0, 1}, 1), InputError);
+  EXPECT_THROW(document->set_pause(Rows{1}, 1), InputError);
+  EXPECT_THROW(document->scale_time(Rows{0}, 0), InputError);
+  EXPECT_THROW(document->scale_time(Rows{0}, 1e5), InputError);
+  EXPECT_THROW(document->set_value(0, "time_s.more", "1"), InputError);
   EXPECT_EQ(document->text(), kSample);
   const std::string old =
       "version: 1\nrobot: koboshi\nname: a\nposes:\n  p: {knee: 5}\n"
       "steps:\n  - {pose: p, time_s: 1}\n";
   const auto version_1 = document_of(old);
-  EXPECT_THROW(version_1->set_pause(Rows{0}, 1), sim::InputError);
+  EXPECT_THROW(version_1->set_pause(Rows{0}, 1), InputError);
   version_1->upgrade();
   version_1->set_pause(Rows{0}, 1);
   EXPECT_NE(version_1->compiled(), nullptr);
@@ -211,13 +211,13 @@ TEST(StepEdits, KeepCommentsThatBelongToNoStep) {
 
 TEST(StepEdits, RefuseToMoveALoopIntoItself) {
   const auto document = document_of();
-  EXPECT_THROW(static_cast<void>(document->move_rows(Rows{2}, {kInto, 2})), sim::InputError);
-  EXPECT_THROW(static_cast<void>(document->move_rows(Rows{2, 0}, {kAfter, 3})), sim::InputError);
-  EXPECT_THROW(static_cast<void>(document->insert_step({kInto, 0}, "end")), sim::InputError);
-  EXPECT_THROW(static_cast<void>(document->insert_step({kAfter, 0}, "{a: ")), sim::InputError);
-  EXPECT_THROW(static_cast<void>(document->insert_step({kAfter, 0}, "a: 1\nb: 2")), sim::InputError);
-  EXPECT_THROW(static_cast<void>(document->insert_step({kEndOf, 7}, "end")), sim::InputError);
-  EXPECT_THROW(document->erase_rows(Rows{}), sim::InputError);
+  EXPECT_THROW(static_cast<void>(document->move_rows(Rows{2}, {kInto, 2})), InputError);
+  EXPECT_THROW(static_cast<void>(document->move_rows(Rows{2, 0}, {kAfter, 3})), InputError);
+  EXPECT_THROW(static_cast<void>(document->insert_step({kInto, 0}, "end")), InputError);
+  EXPECT_THROW(static_cast<void>(document->insert_step({kAfter, 0}, "{a: ")), InputError);
+  EXPECT_THROW(static_cast<void>(document->insert_step({kAfter, 0}, "a: 1\nb: 2")), InputError);
+  EXPECT_THROW(static_cast<void>(document->insert_step({kEndOf, 7}, "end")), InputError);
+  EXPECT_THROW(document->erase_rows(Rows{}), InputError);
   EXPECT_EQ(document->text(), kSample);
   EXPECT_FALSE(document->history().can_undo());
 }
@@ -225,7 +225,7 @@ TEST(StepEdits, RefuseToMoveALoopIntoItself) {
 TEST(StepEdits, LeaveNothingOfAnEditThatIsRefusedHalfway) {
   const std::string text = with("    else:\n      - {call: nod}\n", "");
   const auto document = document_of(text);
-  EXPECT_THROW(static_cast<void>(document->move_rows(Rows{5}, {kIntoElse, 5})), sim::InputError);
+  EXPECT_THROW(static_cast<void>(document->move_rows(Rows{5}, {kIntoElse, 5})), InputError);
   document->set_time(Rows{1}, 2);
   EXPECT_EQ(document->text(), with("wait_s: 0.5", "wait_s: 2", text));
 }
@@ -248,8 +248,8 @@ TEST(StepEdits, ReverseTheOrderAndKeepTransitionsWithTheirPoses) {
                   "  # over b\n  - {pose: b, speed_deg_per_s: 3}   # b\n"
                   "  - {pose: a, time_s: 2, interpolation: cubic}\n",
               text);
-  EXPECT_THROW(document_of()->reverse_rows(Rows{0, 1, 2}), sim::InputError);  // a loop
-  EXPECT_THROW(document->reverse_rows(Rows{0, 2}), sim::InputError);
+  EXPECT_THROW(document_of()->reverse_rows(Rows{0, 1, 2}), InputError);  // a loop
+  EXPECT_THROW(document->reverse_rows(Rows{0, 2}), InputError);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "tools/studio/document/text_history.h"
+#include "studio/document/text_history.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/studio/gamepad/gamepad_pilot.h"
+#include "studio/gamepad/gamepad_pilot.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 namespace koboshi::studio {
 namespace {
 
-using Kind = sim::Command::Kind;
+using Kind = simulation::Command::Kind;
 
 constexpr std::uint64_t kTick_us = 20'000;
 
@@ -32,18 +32,18 @@ class GamepadPilotTest : public ::testing::Test {
   GamepadPilotTest() { pilot.set_limits({0.2, 0.1, 0.05, 0.8}); }
 
   // Reads the pad once in each tick.
-  std::vector<sim::Command> run(std::uint64_t ticks = 1) {
-    std::vector<sim::Command> all;
+  std::vector<simulation::Command> run(std::uint64_t ticks = 1) {
+    std::vector<simulation::Command> all;
     for (std::uint64_t i = 0; i < ticks; ++i) {
       now_us += kTick_us;
-      for (const sim::Command& command : pilot.take(pad.read(), now_us)) all.push_back(command);
+      for (const simulation::Command& command : pilot.take(pad.read(), now_us)) all.push_back(command);
     }
     return all;
   }
   void set(const std::optional<GamepadState>& state) { pad.states.push_back(state); }
-  std::vector<Kind> kinds(const std::vector<sim::Command>& commands) {
+  std::vector<Kind> kinds(const std::vector<simulation::Command>& commands) {
     std::vector<Kind> kinds;
-    for (const sim::Command& command : commands) kinds.push_back(command.kind);
+    for (const simulation::Command& command : commands) kinds.push_back(command.kind);
     return kinds;
   }
   static GamepadState with(GamepadButton button) {

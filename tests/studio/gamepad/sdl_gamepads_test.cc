@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "tools/studio/gamepad/gamepad.h"
+#include "studio/gamepad/gamepad.h"
 
 namespace koboshi::studio {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/studio/model/model_document.h"
+#include "studio/model/model_document.h"
 
 #include <gtest/gtest.h>
 
@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
-#include "sim_board/robot/load.h"
+#include "base/text/error.h"
+#include "base/text/text.h"
+#include "sim_board/description/load.h"
+#include "studio/model/robot_copy.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/studio/model/robot_copy.h"
 
 namespace koboshi::studio {
 namespace {
@@ -67,9 +67,9 @@ TEST_F(ModelDocumentTest, EditsUndoesRedoesAndSaves) {
 TEST_F(ModelDocumentTest, RefusesEditsAfterWhichTheRobotDoesNotLoad) {
   const auto document = open();
   for (const char* typed : {"-1", "x", "60 mm", ""})
-    EXPECT_THROW(document->set("left_shank.mass", typed, tools::Sides::kOne), sim::InputError) << typed;
-  EXPECT_THROW(document->set("left_knee.axis", "1 1 0", tools::Sides::kOne), sim::InputError);
-  EXPECT_THROW(document->replace_text("<sdf/>"), sim::InputError);
+    EXPECT_THROW(document->set("left_shank.mass", typed, tools::Sides::kOne), InputError) << typed;
+  EXPECT_THROW(document->set("left_knee.axis", "1 1 0", tools::Sides::kOne), InputError);
+  EXPECT_THROW(document->replace_text("<sdf/>"), InputError);
   EXPECT_EQ(document->text(), first_);
   EXPECT_FALSE(document->is_modified());
   EXPECT_FALSE(document->history().can_undo());
@@ -139,7 +139,7 @@ TEST_F(ModelDocumentTest, NoticesAndTakesOverChangesByOtherPrograms) {
   for (const std::string& broken : {other.substr(0, 500), std::string("<sdf/>")}) {
     test::write_file(file_, broken);
     const std::uint64_t revision = document->revision();
-    EXPECT_THROW(document->reload(), sim::InputError);
+    EXPECT_THROW(document->reload(), InputError);
     EXPECT_EQ(document->text(), first_);
     EXPECT_EQ(document->revision(), revision);
     EXPECT_EQ(document->changed_on_disk(), DiskChange::kChanged);
@@ -153,8 +153,9 @@ TEST_F(ModelDocumentTest, CopiesOfTheFileLoadBeforeTheyAreSaved) {
   document->set("left_shank.mass", "0.06", tools::Sides::kOne);
   const fs::path changed = copies.write(document->text());
   EXPECT_NE(unchanged, changed);
-  EXPECT_NEAR(sim::load_robot(changed).total_mass_kg() - sim::load_robot(unchanged).total_mass_kg(), 0.01,
-              1e-9);
+  EXPECT_NEAR(
+      sim_board::load_robot(changed).total_mass_kg() - sim_board::load_robot(unchanged).total_mass_kg(), 0.01,
+      1e-9);
   EXPECT_EQ(test::read_file(file_), first_);
 }
 
@@ -166,7 +167,7 @@ std::string nearby(const tools::ModelField& field, std::mt19937& random) {
   std::string text;
   for (std::string word; words >> word;) {
     const double factor = kFactors[random() % std::size(kFactors)];
-    text += (text.empty() ? "" : " ") + sim::number_text(sim::parse_number(word).value_or(0.0) * factor);
+    text += (text.empty() ? "" : " ") + koboshi::number_text(parse_number(word).value_or(0.0) * factor);
   }
   return text;
 }
@@ -196,7 +197,7 @@ TEST_F(ModelDocumentTest, ReturnsToTheFirstByteAfterRandomEdits) {
       const auto sides = random() % 3 == 0 ? tools::Sides::kBoth : tools::Sides::kOne;
       document->set(field.key(), nearby(field, random), sides);
       done += document->revision() != revision ? 1 : 0;
-    } catch (const sim::InputError&) {
+    } catch (const InputError&) {
       ASSERT_EQ(document->revision(), revision);
     }
   }

@@ -1,4 +1,4 @@
-#include "tools/studio/model/model_panel.h"
+#include "studio/model/model_panel.h"
 
 #include <QAction>
 #include <QApplication>
@@ -17,9 +17,9 @@
 #include <sstream>
 #include <string>
 
-#include "sim_board/robot/load.h"
-#include "tools/studio/model/body_tree.h"
-#include "tools/studio/model/field_view.h"
+#include "sim_board/description/load.h"
+#include "studio/model/body_tree.h"
+#include "studio/model/field_view.h"
 
 namespace koboshi::studio {
 namespace {

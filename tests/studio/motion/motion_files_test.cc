@@ -2,10 +2,10 @@
 #include <QPushButton>
 #include <string_view>
 
+#include "studio/motion/message_line.h"
+#include "studio/motion/offer_bar.h"
 #include "tests/studio/motion/panel_fixture.h"
 #include "tests/support/qt_tests.h"
-#include "tools/studio/motion/message_line.h"
-#include "tools/studio/motion/offer_bar.h"
 
 // Files of motions: recovery after a crash, and other programs.
 namespace koboshi::studio {

@@ -8,11 +8,11 @@
 #include <QStyleFactory>
 #include <QWheelEvent>
 
+#include "studio/motion/joint_panel.h"
+#include "studio/motion/message_line.h"
+#include "studio/motion/offer_bar.h"
 #include "tests/studio/motion/panel_fixture.h"
 #include "tests/support/qt_tests.h"
-#include "tools/studio/motion/joint_panel.h"
-#include "tools/studio/motion/message_line.h"
-#include "tools/studio/motion/offer_bar.h"
 
 // Edits of a motion in the table and the joints.
 namespace koboshi::studio {

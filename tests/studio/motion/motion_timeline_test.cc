@@ -3,10 +3,10 @@
 #include <ctime>
 #include <functional>
 
+#include "studio/motion/joint_panel.h"
+#include "studio/motion/message_line.h"
 #include "tests/studio/motion/panel_fixture.h"
 #include "tests/support/qt_tests.h"
-#include "tools/studio/motion/joint_panel.h"
-#include "tools/studio/motion/message_line.h"
 
 // The timeline, the check in the background, and large motions.
 namespace koboshi::studio {

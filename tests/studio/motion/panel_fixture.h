@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
+#include "studio/motion/motion_panel.h"
+#include "studio/motion/step_model.h"
+#include "studio/motion/timeline.h"
 #include "tests/support/large_motion.h"
-#include "tools/studio/motion/motion_panel.h"
-#include "tools/studio/motion/step_model.h"
-#include "tools/studio/motion/timeline.h"
 
 namespace koboshi::studio {
 

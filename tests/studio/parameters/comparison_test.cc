@@ -1,4 +1,4 @@
-#include "tools/studio/parameters/comparison.h"
+#include "studio/parameters/comparison.h"
 
 #include <gtest/gtest.h>
 
@@ -7,24 +7,24 @@
 #include <cmath>
 #include <string>
 
+#include "studio/parameters/parameter_document.h"
 #include "tests/studio/parameters/sample_walk.h"
-#include "tools/studio/parameters/parameter_document.h"
 
 namespace koboshi::studio {
 namespace {
 
-sim::Command walk(double forward_m_per_s) {
-  sim::Command command;
-  command.kind = sim::Command::Kind::kWalk;
+simulation::Command walk(double forward_m_per_s) {
+  simulation::Command command;
+  command.kind = simulation::Command::Kind::kWalk;
   command.velocity = {forward_m_per_s, 0.0, 0.0};
   return command;
 }
 
-std::array<sim::Scenario, 2> scenarios() {
+std::array<simulation::Scenario, 2> scenarios() {
   ParameterDocument other(KOBOSHI_SOURCE_DIR "/robots/koboshi/parameters.yaml");
   other.set(index_of(other.table(), "step_height_mm").value(), 26.0);
   other.set(index_of(other.table(), "highest_velocity_forward_mm_per_s").value(), 100.0);
-  std::array<sim::Scenario, 2> both{sample_walk(), sample_walk()};
+  std::array<simulation::Scenario, 2> both{sample_walk(), sample_walk()};
   other.apply_to(both[1]);
   both[1].seed = 7;  // the comparison gives it that of the first
   return both;

@@ -1,4 +1,4 @@
-#include "tools/studio/parameters/live_parameters.h"
+#include "studio/parameters/live_parameters.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "simulation/scenario/parameters.h"
+#include "simulation/assembly/parameters.h"
+#include "studio/parameters/comparison.h"
+#include "studio/run/session.h"
 #include "tests/studio/parameters/sample_walk.h"
-#include "tools/studio/parameters/comparison.h"
-#include "tools/studio/run/session.h"
 
 namespace koboshi::studio {
 namespace {
@@ -21,7 +21,7 @@ struct LiveRun {
   Session session{sample_walk()};
   view::Recording recording = session.head();
   LiveParameters live{controller_table(),
-                      [this](const sim::ObjectRequest& request) { session.give(request); }};
+                      [this](const simulation::ObjectRequest& request) { session.give(request); }};
 
   LiveRun() { live.set_known(simulation::controller_values(session.scenario())); }
 
@@ -30,7 +30,7 @@ struct LiveRun {
     session.wait();
     Batch batch = session.take();
     if (batch.rewound) live.return_to(batch.rewound->time_us);
-    for (const sim::ObjectAnswer& answer : batch.answers) static_cast<void>(live.take_answer(answer));
+    for (const simulation::ObjectAnswer& answer : batch.answers) static_cast<void>(live.take_answer(answer));
     append(std::move(batch), recording);
     live.follow(session.status().said.state);
   }

@@ -1,4 +1,4 @@
-#include "tools/studio/parameters/parameter_document.h"
+#include "studio/parameters/parameter_document.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
-#include "sim_board/robot/load.h"
-#include "sim_board/scenario/reader.h"
+#include "base/text/error.h"
+#include "base/text/text.h"
+#include "sim_board/description/load.h"
 #include "simulation/model/robot_model.h"
+#include "simulation/scenario/reader.h"
 #include "tests/support/temporary_folder.h"
 
 namespace koboshi::studio {
@@ -35,7 +35,7 @@ class Parameters : public testing::Test {
       fs::copy_file(kRobots / name, folder_.path / fs::path(name).filename());
   }
   fs::path file(const std::string& name) const { return folder_.path / name; }
-  std::string read(const std::string& name) const { return sim::read_text_file(file(name), "a file"); }
+  std::string read(const std::string& name) const { return read_text_file(file(name), "a file"); }
   static std::size_t at(const ParameterDocument& document, const char* key) {
     return index_of(document.table(), key).value();
   }
@@ -162,7 +162,7 @@ TEST_F(Parameters, RefusesAValueBeyondItsRangeAndChangesNothing) {
   const std::string before = document.text();
   const std::vector<ParameterValue> values{{at(document, "step_time_ms"), 260.0},
                                            {at(document, "step_width_mm"), 151.0}};
-  EXPECT_THROW(document.set_all(values, "Adopt"), sim::InputError);
+  EXPECT_THROW(document.set_all(values, "Adopt"), InputError);
   EXPECT_EQ(document.text(), before);
   EXPECT_FALSE(document.is_modified());
 }
@@ -212,11 +212,11 @@ TEST_F(Parameters, OfAGaitGetTheFeedbackThatTheFileLacks) {
   document.set(roll, 0.01);
   EXPECT_EQ(document.value(knee), 0.02);
   EXPECT_EQ(document.value(roll), 0.01);
-  EXPECT_THROW(document.reset_to_default(at(document, "period_s")), sim::InputError);
+  EXPECT_THROW(document.reset_to_default(at(document, "period_s")), InputError);
 }
 
 TEST_F(Parameters, TellWhatTheCompilerRefuses) {
-  const sim::RobotDescription robot = sim::load_robot(kRobots / "robot.sdf");
+  const sim_board::RobotDescription robot = sim_board::load_robot(kRobots / "robot.sdf");
   const simulation::NamedModel model = simulation::load_named_model(robot);
   ParameterDocument document(file("parameters.yaml"));
   EXPECT_EQ(document.problem(robot, model), "");
@@ -242,14 +242,14 @@ TEST_F(Parameters, NoticeAnotherProgramAndReload) {
   EXPECT_TRUE(document.is_modified());
   const std::string mine = document.text();
   test::write_file(file("parameters.yaml"), "parameters: {step_height_mm: [");
-  EXPECT_THROW(document.reload(), sim::InputError);
+  EXPECT_THROW(document.reload(), InputError);
   EXPECT_EQ(document.text(), mine);
   EXPECT_EQ(document.file_value(at(document, "step_height_mm")), 24.0);
 }
 
 TEST_F(Parameters, TakeTheirPlaceInAScenario) {
   fs::create_directories(folder_.path / "scenarios");
-  sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml");
+  simulation::Scenario scenario = simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml");
   ParameterDocument document(kRobots / "parameters.yaml");
   document.set(at(document, "step_time_ms"), 240.0);
   document.apply_to(scenario);
@@ -275,8 +275,8 @@ TEST_F(Parameters, TakeTheirPlaceInAScenario) {
 TEST(ParameterFile, ThatIsNeitherIsRefused) {
   const test::TemporaryFolder folder;
   test::write_file(folder.path / "other.yaml", "version: 1\nsteps: []\n");
-  EXPECT_THROW(ParameterDocument(folder.path / "other.yaml"), sim::InputError);
-  EXPECT_THROW(ParameterDocument(folder.path / "none.yaml"), sim::InputError);
+  EXPECT_THROW(ParameterDocument(folder.path / "other.yaml"), InputError);
+  EXPECT_THROW(ParameterDocument(folder.path / "none.yaml"), InputError);
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
-#include "tools/studio/parameters/study_runs.h"
+#include "studio/parameters/study_runs.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "sim_board/input/error.h"
-#include "sim_board/record/output_folder.h"
+#include "base/file/output_folder.h"
+#include "base/text/error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace koboshi::studio {
@@ -56,7 +56,7 @@ TEST_F(StudyRuns, AreReadUpToTheLastWholeRow) {
 
 TEST_F(StudyRuns, AreRunningWhileAProgramHoldsTheFolder) {
   write(kState, kRows);
-  const sim::FolderLock lock(folder_.path);
+  const FolderLock lock(folder_.path);
   EXPECT_TRUE(read_study_run(folder_.path)->is_running);
 }
 
@@ -72,11 +72,11 @@ TEST_F(StudyRuns, AreResumedWithTheSameArguments) {
 TEST_F(StudyRuns, ThatAreDamagedAreErrors) {
   EXPECT_FALSE(read_study_run(folder_.path));
   write("{", kRows);
-  EXPECT_THROW(static_cast<void>(read_study_run(folder_.path)), sim::InputError);
+  EXPECT_THROW(static_cast<void>(read_study_run(folder_.path)), InputError);
   write("{\"version\": 1}", kRows);
-  EXPECT_THROW(static_cast<void>(read_study_run(folder_.path)), sim::InputError);
+  EXPECT_THROW(static_cast<void>(read_study_run(folder_.path)), InputError);
   write(kState, "evaluation,score\n1,2\n");
-  EXPECT_THROW(static_cast<void>(read_study_run(folder_.path)), sim::InputError);
+  EXPECT_THROW(static_cast<void>(read_study_run(folder_.path)), InputError);
 }
 
 TEST_F(StudyRuns, GiveTheParametersOfTheRobotToADocument) {

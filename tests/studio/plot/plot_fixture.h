@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
+#include "studio/plot/plot_panel.h"
+#include "studio/plot/plot_style.h"
 #include "tests/support/qt_tests.h"
-#include "tools/studio/plot/plot_panel.h"
-#include "tools/studio/plot/plot_style.h"
 
 // A plot panel with samples, and real events of the mouse.
 namespace koboshi::studio {

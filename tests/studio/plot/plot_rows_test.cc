@@ -56,7 +56,7 @@ void PlotRowsTest::numbers_have_units() {
 }
 
 void PlotRowsTest::colours_are_those_of_the_replay_page() {
-  QFile file(QStringLiteral(KOBOSHI_SOURCE_DIR "/tools/view/replay/page/format.js"));
+  QFile file(QStringLiteral(KOBOSHI_SOURCE_DIR "/view/replay/page/format.js"));
   QVERIFY(file.open(QIODevice::ReadOnly));
   const QString page = QString::fromUtf8(file.readAll());
   const auto colours_of = [&page](const QString& key) {

@@ -1,4 +1,4 @@
-#include "tools/studio/plot/series.h"
+#include "studio/plot/series.h"
 
 #include <gtest/gtest.h>
 

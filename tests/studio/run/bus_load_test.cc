@@ -1,4 +1,4 @@
-#include "tools/studio/run/bus_load.h"
+#include "studio/run/bus_load.h"
 
 #include <gtest/gtest.h>
 

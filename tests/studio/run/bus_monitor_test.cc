@@ -1,4 +1,4 @@
-#include "tools/studio/run/bus_monitor.h"
+#include "studio/run/bus_monitor.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace koboshi::studio {
 namespace {
 
-using Kind = sim::Command::Kind;
+using Kind = simulation::Command::Kind;
 
 // How the controller on the bus answers accesses to the event timer of its velocity.
 enum class Sdo { kAnswers, kRefuses, kSilent };
@@ -50,12 +50,12 @@ struct SentFrames {
   std::mutex mutex;
   std::condition_variable sent;
   std::vector<hal::CanFrame> frames;
-  std::vector<sim::ForeignFrame> foreign{};  // set before the monitor starts: others on the bus
+  std::vector<sim_board::ForeignFrame> foreign{};  // set before the monitor starts: others on the bus
   Sdo sdo = Sdo::kAnswers;
   std::uint16_t timer_ms = 0;  // of the controller's 0x1401:05
 };
 
-class RobotBus final : public sim::Transport {
+class RobotBus final : public sim_board::Transport {
  public:
   explicit RobotBus(SentFrames& sent) : sent_(sent) {}
   bool send(const hal::CanFrame& frame, std::uint64_t /*time_us*/) override {
@@ -67,7 +67,7 @@ class RobotBus final : public sim::Transport {
   }
   void watch_foreign(TakeForeign take) override { take_foreign_ = std::move(take); }
   std::optional<hal::CanFrame> receive() override {
-    for (const sim::ForeignFrame& frame : std::exchange(sent_.foreign, {})) take_foreign_(frame);
+    for (const sim_board::ForeignFrame& frame : std::exchange(sent_.foreign, {})) take_foreign_(frame);
     return std::exchange(answer_, std::nullopt);
   }
   std::string place() const override { return "test"; }
@@ -93,8 +93,8 @@ class RobotBus final : public sim::Transport {
   std::optional<hal::CanFrame> answer_;
 };
 
-sim::Command command(Kind kind) {
-  sim::Command command;
+simulation::Command command(Kind kind) {
+  simulation::Command command;
   command.kind = kind;
   return command;
 }
@@ -178,7 +178,7 @@ TEST_F(BusMonitorTest, WalksNoRobotThatDoesNotAnswer) {
 TEST_F(BusMonitorTest, AccessesNoObjectWhileAnotherClientHasTheChannel) {
   auto loan = monitor->borrow_sdo();
   loan->wait();
-  ASSERT_TRUE(monitor->give(sim::ObjectRequest{.number = 1, .node_id = 1, .address = {0x1401, 5}}));
+  ASSERT_TRUE(monitor->give(simulation::ObjectRequest{.number = 1, .node_id = 1, .address = {0x1401, 5}}));
   for (std::size_t commands = 1; commands <= 3; ++commands) {
     ASSERT_TRUE(monitor->give(command(Kind::kEnable)));
     ASSERT_TRUE(sent.wait_for(commands));
@@ -190,16 +190,16 @@ TEST_F(BusMonitorTest, AccessesNoObjectWhileAnotherClientHasTheChannel) {
 }
 
 TEST_F(BusMonitorTest, TakesCommandsAndAccessesOnly) {
-  EXPECT_FALSE(monitor->give(sim::Push()));
-  EXPECT_FALSE(monitor->give(sim::Fault()));
-  EXPECT_TRUE(monitor->give(sim::ObjectRequest{.number = 1, .node_id = 1, .address = {0x1000, 0}}));
+  EXPECT_FALSE(monitor->give(simulation::Push()));
+  EXPECT_FALSE(monitor->give(simulation::Fault()));
+  EXPECT_TRUE(monitor->give(simulation::ObjectRequest{.number = 1, .node_id = 1, .address = {0x1000, 0}}));
 }
 
 // Others on the bus are reported once for each format, and the monitor goes on.
 TEST(BusMonitorForeignFrames, AreReportedOnce) {
   SentFrames sent;
-  const sim::ForeignFrame extended{.extended = true, .identifier = 0x18FEF100};
-  sent.foreign = {extended, extended, {.kind = sim::ForeignFrame::Kind::kFd, .identifier = 0x123}};
+  const sim_board::ForeignFrame extended{.extended = true, .identifier = 0x18FEF100};
+  sent.foreign = {extended, extended, {.kind = sim_board::ForeignFrame::Kind::kFd, .identifier = 0x123}};
   BusMonitor monitor(std::make_unique<RobotBus>(sent),
                      std::filesystem::path(KOBOSHI_SOURCE_DIR) / "robots/koboshi/robot.sdf");
   std::vector<view::Event> events;

@@ -1,4 +1,4 @@
-#include "tools/studio/run/controller_inquiry.h"
+#include "studio/run/controller_inquiry.h"
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ struct Robot {
       {{0x2111, 4}, bytes_of(700, 2)}, {{0x2403, 1}, bytes_of(1, 4)},   {{0x2403, 2}, bytes_of(2, 4)},
       {{0x2401, 1}, text("stand")},    {{0x2401, 34}, text("bow")}};
 
-  sim::ObjectAnswer answer(const sim::ObjectRequest& request) const {
+  simulation::ObjectAnswer answer(const simulation::ObjectRequest& request) const {
     EXPECT_EQ(request.node_id, 1);
     EXPECT_TRUE(request.data.empty());
     const auto found = objects.find({request.address.index, request.address.subindex});
@@ -35,13 +35,13 @@ struct Robot {
   }
 };
 
-sim::ObjectAnswer failure(const sim::ObjectRequest& request, AbortCode abort) {
+simulation::ObjectAnswer failure(const simulation::ObjectRequest& request, AbortCode abort) {
   return {.number = request.number, .abort = abort};
 }
 
 void answer_all(ControllerInquiry& inquiry, const Robot& robot, std::uint64_t now_us) {
   for (auto requests = inquiry.due(now_us); !requests.empty(); requests = inquiry.due(now_us))
-    for (const sim::ObjectRequest& request : requests)
+    for (const simulation::ObjectRequest& request : requests)
       EXPECT_TRUE(inquiry.take(robot.answer(request), now_us));
 }
 
@@ -69,7 +69,7 @@ TEST(ControllerInquiry, AsksAgainUntilItIsAnswered) {
       const auto requests = inquiry.due(now_us);
       EXPECT_EQ(requests.size(), 11U);
       EXPECT_TRUE(inquiry.due(now_us).empty());  // under way
-      for (const sim::ObjectRequest& request : requests)
+      for (const simulation::ObjectRequest& request : requests)
         EXPECT_TRUE(inquiry.take(failure(request, lost), now_us));
       EXPECT_TRUE(inquiry.due(now_us + ControllerInquiry::kRetry_us - 1).empty());
       now_us += ControllerInquiry::kRetry_us;
@@ -84,7 +84,7 @@ TEST(ControllerInquiry, AsksAgainUntilItIsAnswered) {
 TEST(ControllerInquiry, RepeatsOnlyWhatIsMissing) {
   ControllerInquiry inquiry;
   const Robot robot;
-  for (const sim::ObjectRequest& request : inquiry.due(0))
+  for (const simulation::ObjectRequest& request : inquiry.due(0))
     EXPECT_TRUE(inquiry.take(robot.answer(request), 0));
   const auto names = inquiry.due(0);
   ASSERT_EQ(names.size(), 2U);

@@ -1,4 +1,4 @@
-#include "tools/studio/run/inbox.h"
+#include "studio/run/inbox.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
-#include "tools/studio/run/recording_window.h"
+#include "studio/run/recording_window.h"
 
 #include <gtest/gtest.h>
 
 #include <thread>
 
+#include "studio/run/overview_reader.h"
 #include "tests/support/sample_recording.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/studio/run/overview_reader.h"
-#include "tools/view/recording/recording_file.h"
+#include "view/recording/recording_file.h"
 
 namespace koboshi::studio {
 namespace {

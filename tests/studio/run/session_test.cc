@@ -1,4 +1,4 @@
-#include "tools/studio/run/session.h"
+#include "studio/run/session.h"
 
 #include <gtest/gtest.h>
 
@@ -13,18 +13,18 @@
 #include <utility>
 #include <vector>
 
-#include "sim_board/scenario/reader.h"
-#include "tools/studio/run/bus_load.h"
+#include "simulation/scenario/reader.h"
+#include "studio/run/bus_load.h"
 
 namespace koboshi::studio {
 namespace {
 
 using State = SessionStatus::State;
 
-sim::Scenario walk() { return sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"); }
+simulation::Scenario walk() { return simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"); }
 
-sim::Push shove() {
-  sim::Push push;
+simulation::Push shove() {
+  simulation::Push push;
   push.duration_us = 100'000;
   push.link.text = "trunk";
   push.force_W_N = {4.0, 1.0, 0.0};
@@ -157,7 +157,7 @@ TEST(Session, RefusesAnInputThatAScenarioCouldNotContain) {
   Session session(walk());
   session.step(100);
   const std::uint64_t hash = session.state_hash();
-  sim::Push push = shove();
+  simulation::Push push = shove();
   push.link.text = "tail";
   session.give(push);
   session.wait();
@@ -166,7 +166,7 @@ TEST(Session, RefusesAnInputThatAScenarioCouldNotContain) {
 }
 
 TEST(Session, PausesOnceAtTheEndOfTheScenario) {
-  sim::Scenario scenario = walk();
+  simulation::Scenario scenario = walk();
   scenario.duration_us = 200'000;
   Session session(scenario);
   session.set_speed(Session::kUnpaced);
@@ -205,14 +205,14 @@ TEST(Session, SeveralRunSideBySide) {
 }
 
 // Waits for the answers of the requests so far, which take a few milliseconds each.
-std::vector<sim::ObjectAnswer> answers_of(Session& session) {
+std::vector<simulation::ObjectAnswer> answers_of(Session& session) {
   session.step(300);
   session.wait();
   return session.take().answers;
 }
 
-sim::ObjectRequest request(std::uint64_t number, std::uint8_t node, canopen::ObjectAddress address,
-                           std::vector<std::uint8_t> data = {}) {
+simulation::ObjectRequest request(std::uint64_t number, std::uint8_t node, canopen::ObjectAddress address,
+                                  std::vector<std::uint8_t> data = {}) {
   return {.number = number, .node_id = node, .address = address, .data = std::move(data)};
 }
 
@@ -260,8 +260,8 @@ TEST(Session, RepeatsAccessesToObjectsInARewind) {
 }
 
 TEST(Session, CausesAFaultAndRewindsIt) {
-  sim::Fault fault;
-  fault.kind = sim::Fault::Kind::kDrivePowerLoss;
+  simulation::Fault fault;
+  fault.kind = simulation::Fault::Kind::kDrivePowerLoss;
   fault.target.text = "right_hip_pitch";
   Session session(walk());
   session.step(2000);
@@ -287,13 +287,13 @@ TEST(Session, CausesAFaultAndRewindsIt) {
 TEST(Session, RefusesFaultsThatAScenarioCouldNotContain) {
   Session session(walk());
   session.step(100);
-  sim::Fault fault;
-  fault.kind = sim::Fault::Kind::kEncoderBreak;
+  simulation::Fault fault;
+  fault.kind = simulation::Fault::Kind::kEncoderBreak;
   fault.target.text = "left_kneee";
   session.give(fault);
   session.wait();
   EXPECT_NE(session.status().message.find("left_knee"), std::string::npos) << session.status().message;
-  fault.kind = sim::Fault::Kind::kBabblingNode;
+  fault.kind = simulation::Fault::Kind::kBabblingNode;
   fault.target.text.clear();
   session.give(fault);
   session.wait();

@@ -1,12 +1,12 @@
-#include "tools/studio/run/snapshot_store.h"
+#include "studio/run/snapshot_store.h"
 
 #include <gtest/gtest.h>
 
 #include <cstddef>
 #include <cstdint>
 
-#include "sim_board/scenario/reader.h"
-#include "simulation/scenario/simulation.h"
+#include "simulation/assembly/simulation.h"
+#include "simulation/scenario/reader.h"
 
 namespace koboshi::studio {
 namespace {
@@ -18,7 +18,7 @@ void fill(SnapshotStore& store, simulation::Simulation& simulation, std::uint64_
 }
 
 TEST(SnapshotStore, GivesTheLastSnapshotBeforeAMoment) {
-  simulation::Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"));
+  simulation::Simulation simulation(simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"));
   SnapshotStore store;
   fill(store, simulation, 4'000'000);
   EXPECT_EQ(store.count(), 5U);
@@ -31,7 +31,7 @@ TEST(SnapshotStore, GivesTheLastSnapshotBeforeAMoment) {
 }
 
 TEST(SnapshotStore, DoublesItsIntervalWithinTheBudget) {
-  simulation::Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"));
+  simulation::Simulation simulation(simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"));
   const std::size_t one_bytes = simulation.snapshot().size_bytes();
   SnapshotStore store(one_bytes * 4);
   fill(store, simulation, 8'000'000);
@@ -43,7 +43,7 @@ TEST(SnapshotStore, DoublesItsIntervalWithinTheBudget) {
 }
 
 TEST(SnapshotStore, NeverDropsTheFirst) {
-  simulation::Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"));
+  simulation::Simulation simulation(simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"));
   SnapshotStore store(1);
   fill(store, simulation, 3'000'000);
   EXPECT_EQ(store.before(0).time_us(), 0U);

@@ -1,9 +1,9 @@
-#include "tools/studio/run/walk_deadline.h"
+#include "studio/run/walk_deadline.h"
 
 #include <gtest/gtest.h>
 
-#include "tools/studio/gamepad/held_walk.h"
-#include "tools/studio/run/bus_monitor.h"
+#include "studio/gamepad/held_walk.h"
+#include "studio/run/bus_monitor.h"
 
 namespace koboshi::studio {
 namespace {
@@ -24,7 +24,7 @@ class WalkDeadlineTest : public ::testing::Test {
       ++accesses;
       EXPECT_EQ(request->node_id, 1);
       EXPECT_EQ(request->address, (canopen::ObjectAddress{0x1401, 5}));
-      sim::ObjectAnswer answer{.number = request->number, .abort = abort};
+      simulation::ObjectAnswer answer{.number = request->number, .abort = abort};
       if (abort != AbortCode::kNone) {
       } else if (request->data.empty()) {
         answer.data = {static_cast<std::uint8_t>(timer_ms), static_cast<std::uint8_t>(timer_ms >> 8)};

@@ -20,16 +20,16 @@
 #include <utility>
 #include <vector>
 
-#include "sim_board/input/text.h"
-#include "sim_board/robot/load.h"
-#include "tools/studio/parameters/comparison.h"
-#include "tools/studio/tuning/compare_panel.h"
-#include "tools/studio/tuning/parameter_panel.h"
-#include "tools/studio/tuning/parameter_row.h"
-#include "tools/studio/tuning/study_panel.h"
-#include "tools/studio/window/main_window.h"
-#include "tools/studio/window/run_controller.h"
-#include "tools/studio/window/tuning_panels.h"
+#include "base/text/text.h"
+#include "sim_board/description/load.h"
+#include "studio/controls/run_controller.h"
+#include "studio/parameters/comparison.h"
+#include "studio/tuning/compare_panel.h"
+#include "studio/tuning/parameter_panel.h"
+#include "studio/tuning/parameter_row.h"
+#include "studio/tuning/study_panel.h"
+#include "studio/window/main_window.h"
+#include "studio/window/tuning_panels.h"
 
 namespace koboshi::studio {
 namespace {
@@ -52,7 +52,7 @@ constexpr const char* kStudy =
     "    set: {duration_s: 0.3}\n";
 
 void write(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
-std::string read(const fs::path& file) { return sim::read_text_file(file, "a file"); }
+std::string read(const fs::path& file) { return read_text_file(file, "a file"); }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t begin = text.find(from);
@@ -136,7 +136,7 @@ class TuningTest final : public QObject {
     window_->resize(1200, 420);
     window_->show();
     QVERIFY(QTest::qWaitForWindowExposed(window_.get()));
-    panels_->set_robot(sim::load_robot(root() / "robots/koboshi/robot.sdf"));
+    panels_->set_robot(sim_board::load_robot(root() / "robots/koboshi/robot.sdf"));
     QVERIFY(editor().document() != nullptr);
   }
   void cleanup() {

@@ -1,4 +1,4 @@
-#include "tools/studio/view/camera_control.h"
+#include "studio/view/camera_control.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/studio/view/gizmo.h"
+#include "studio/view/gizmo.h"
 
 #include <gtest/gtest.h>
 

@@ -1,21 +1,22 @@
-#include "tools/studio/view/inertia_marks.h"
+#include "studio/view/inertia_marks.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "sim_board/robot/load.h"
+#include "sim_board/description/load.h"
 
 namespace koboshi::studio {
 namespace {
 
 // A uniform ellipsoid has its own moments again.
 TEST(InertiaEllipsoids, HaveMassAndMomentsOfTheirLinks) {
-  const sim::RobotDescription robot = sim::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
+  const sim_board::RobotDescription robot =
+      sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
   const auto ellipsoids = inertia_ellipsoids(robot);
   ASSERT_EQ(ellipsoids.size(), robot.links.size());
   for (const InertiaEllipsoid& ellipsoid : ellipsoids) {
-    const sim::LinkDescription& link = robot.links[static_cast<std::size_t>(ellipsoid.link)];
+    const sim_board::LinkDescription& link = robot.links[static_cast<std::size_t>(ellipsoid.link)];
     const Eigen::Vector3d squares_m2 = ellipsoid.radii_m.cwiseAbs2();
     const Eigen::Vector3d moments =
         link.mass_kg / 5.0 * (Eigen::Vector3d::Constant(squares_m2.sum()) - squares_m2);

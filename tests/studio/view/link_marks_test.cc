@@ -1,4 +1,4 @@
-#include "tools/studio/view/link_layers.h"
+#include "studio/view/link_layers.h"
 
 #include <gtest/gtest.h>
 
@@ -7,16 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/robot/load.h"
+#include "sim_board/description/load.h"
 #include "tools/motion/view/placement.h"
-#include "tools/view/capture/scene.h"
+#include "view/capture/scene.h"
 
 namespace koboshi::studio {
 namespace {
 
 struct Standing {
-  sim::RobotDescription robot = sim::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
-  view::Scene scene = view::make_scene(robot, sim::GroundDescription());
+  sim_board::RobotDescription robot = sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
+  view::Scene scene = view::make_scene(robot, sim_board::GroundDescription());
 
   std::vector<view::Pose> links(const std::string& bent = {}, double angle_rad = 0.0) const {
     std::vector<double> angles_rad(robot.joints.size(), 0.0);
@@ -33,7 +33,7 @@ TEST(JointAxes, StayWhenTheirJointTurns) {
   const std::vector<JointAxis> axes = joint_axes(standing.robot);
   ASSERT_EQ(axes.size(), standing.robot.joints.size());
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    const sim::JointDescription& joint = standing.robot.joints[i];
+    const sim_board::JointDescription& joint = standing.robot.joints[i];
     const auto axis_in_parent = [&](const std::vector<view::Pose>& links, const Eigen::Vector3d& p_L_m) {
       const view::Pose& child = links[static_cast<std::size_t>(joint.child)];
       const view::Pose& parent = links[static_cast<std::size_t>(joint.parent)];

@@ -1,4 +1,4 @@
-#include "tools/studio/view/picking.h"
+#include "studio/view/picking.h"
 
 #include <gtest/gtest.h>
 

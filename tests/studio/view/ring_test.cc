@@ -1,4 +1,4 @@
-#include "tools/studio/view/ring.h"
+#include "studio/view/ring.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/studio/view/sole_picture.h"
+#include "studio/view/sole_picture.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "sim_board/world/gravity.h"
-#include "tools/view/render/playback.h"
+#include "view/render/playback.h"
 
 namespace koboshi::studio {
 namespace {
@@ -83,7 +83,7 @@ TEST(SolePicture, HasZmpAndMargin) {
 
 TEST(SolePicture, HasCentreOfMassAndCapturePoint) {
   const view::Recording recording = striding_recording();
-  const double reach_m = kSpeed_m_per_s * std::sqrt(kHeight_m / sim::kGravity_m_per_s2);
+  const double reach_m = kSpeed_m_per_s * std::sqrt(kHeight_m / sim_board::kGravity_m_per_s2);
   for (const std::uint64_t time_us :
        {std::uint64_t{0}, std::uint64_t{700'000}, recording.samples.back().time_us}) {
     const auto picture = sole_picture(recording, time_us);

@@ -15,12 +15,12 @@
 #include <vector>
 
 #include "sim_board/can/transport/transport.h"
+#include "studio/controls/operator_commands.h"
+#include "studio/motion/motion_panel.h"
+#include "studio/panels/can_panel.h"
+#include "studio/panels/object_panel.h"
+#include "studio/widgets/message_bar.h"
 #include "tests/studio/window/window_fixture.h"
-#include "tools/studio/motion/motion_panel.h"
-#include "tools/studio/window/can_panel.h"
-#include "tools/studio/window/message_bar.h"
-#include "tools/studio/window/object_panel.h"
-#include "tools/studio/window/operator_commands.h"
 
 namespace koboshi::studio {
 
@@ -42,7 +42,7 @@ class FakeGamepads final : public Gamepads {
 class PlainController final : public QObject {
  public:
   PlainController(const std::string& bus, bool answers)
-      : transport_(sim::open_transport(bus)), answers_(answers) {
+      : transport_(sim_board::open_transport(bus)), answers_(answers) {
     connect(&timer_, &QTimer::timeout, this, &PlainController::exchange);
     timer_.start(10);
   }
@@ -62,7 +62,7 @@ class PlainController final : public QObject {
   }
   void send(const hal::CanFrame& frame) { static_cast<void>(transport_->send(frame, 0)); }
 
-  const std::unique_ptr<sim::Transport> transport_;
+  const std::unique_ptr<sim_board::Transport> transport_;
   const bool answers_;
   QTimer timer_;
 };
@@ -208,7 +208,7 @@ class BusTest final : public QObject {
     QTRY_COMPARE_WITH_TIMEOUT(motions->currentText(), QStringLiteral("bow"), kPatience_ms);
     QVERIFY(motions->findText(QStringLiteral("stand")) >= 0);
     // What only a simulation can do is refused.
-    window_->run().give(sim::Push());
+    window_->run().give(simulation::Push());
     QVERIFY(window_->messages().isVisible());
   }
 
@@ -333,7 +333,7 @@ class BusTest final : public QObject {
   // In a simulation, the gamepad walks the robot, too.
   void drives_a_simulation_by_gamepad() {
     QSignalSpy opened(&window_->run(), &RunController::opened);
-    const std::vector<sim::Override> quick{{"physics.stepper", "lumped", "stepper"}};
+    const std::vector<Override> quick{{"physics.stepper", "lumped", "stepper"}};
     window_->run().open_scenario(kRoot / "scenarios/go.yaml", quick);
     QVERIFY(opened.wait(kPatience_ms));
     std::optional<GamepadState> pad = GamepadState{};

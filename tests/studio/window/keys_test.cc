@@ -25,18 +25,18 @@
 #include <iterator>
 #include <string>
 
+#include "studio/controls/transport_bar.h"
+#include "studio/model/field_view.h"
+#include "studio/model/model_panel.h"
+#include "studio/motion/joint_panel.h"
+#include "studio/motion/motion_panel.h"
+#include "studio/panels/log_panel.h"
+#include "studio/plot/plot_widget.h"
+#include "studio/tuning/parameter_panel.h"
+#include "studio/tuning/parameter_row.h"
+#include "studio/widgets/message_bar.h"
+#include "studio/window/documents.h"
 #include "tests/studio/window/view_fixture.h"
-#include "tools/studio/model/field_view.h"
-#include "tools/studio/model/model_panel.h"
-#include "tools/studio/motion/joint_panel.h"
-#include "tools/studio/motion/motion_panel.h"
-#include "tools/studio/plot/plot_widget.h"
-#include "tools/studio/tuning/parameter_panel.h"
-#include "tools/studio/tuning/parameter_row.h"
-#include "tools/studio/window/documents.h"
-#include "tools/studio/window/log_panel.h"
-#include "tools/studio/window/message_bar.h"
-#include "tools/studio/window/transport_bar.h"
 
 namespace koboshi::studio {
 

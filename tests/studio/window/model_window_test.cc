@@ -11,10 +11,10 @@
 #include <memory>
 #include <sstream>
 
+#include "studio/model/field_view.h"
+#include "studio/model/model_panel.h"
+#include "studio/widgets/message_bar.h"
 #include "tests/studio/window/view_fixture.h"
-#include "tools/studio/model/field_view.h"
-#include "tools/studio/model/model_panel.h"
-#include "tools/studio/window/message_bar.h"
 
 namespace koboshi::studio {
 namespace {

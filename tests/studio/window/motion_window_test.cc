@@ -12,11 +12,11 @@
 #include <filesystem>
 #include <optional>
 
+#include "studio/motion/joint_panel.h"
+#include "studio/motion/motion_panel.h"
+#include "studio/motion/step_model.h"
+#include "studio/widgets/message_bar.h"
 #include "tests/studio/window/view_fixture.h"
-#include "tools/studio/motion/joint_panel.h"
-#include "tools/studio/motion/motion_panel.h"
-#include "tools/studio/motion/step_model.h"
-#include "tools/studio/window/message_bar.h"
 
 namespace koboshi::studio {
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <memory>
 
+#include "studio/widgets/translation.h"
 #include "tests/studio/window/window_fixture.h"
-#include "tools/studio/window/translation.h"
 
 namespace koboshi::studio {
 
@@ -45,9 +45,9 @@ inline bool run_tool(const char* program, const QStringList& arguments) {
 inline std::unique_ptr<QTranslator> translate_studio(const QString& folder) {
   const QString root = QString::fromStdString(test::kRoot.string());
   const QString texts = folder + QStringLiteral("/koboshi_de.ts");
-  if (!run_tool(KOBOSHI_LUPDATE, {QStringLiteral("-silent"), QStringLiteral("-recursive"),
-                                  root + QStringLiteral("/tools/studio"), QStringLiteral("-I"), root,
-                                  QStringLiteral("-ts"), texts}))
+  if (!run_tool(KOBOSHI_LUPDATE,
+                {QStringLiteral("-silent"), QStringLiteral("-recursive"), root + QStringLiteral("/studio"),
+                 QStringLiteral("-I"), root, QStringLiteral("-ts"), texts}))
     return nullptr;
   QFile file(texts);
   if (!file.open(QIODevice::ReadOnly)) return nullptr;

@@ -19,21 +19,21 @@
 #include <filesystem>
 #include <memory>
 
-#include "sim_board/input/text.h"
-#include "sim_board/scenario/reader.h"
+#include "base/text/text.h"
+#include "simulation/scenario/reader.h"
+#include "studio/controls/scenario_settings.h"
+#include "studio/controls/transport_bar.h"
+#include "studio/model/robot_copy.h"
+#include "studio/panels/can_panel.h"
+#include "studio/panels/event_panel.h"
+#include "studio/panels/node_table.h"
+#include "studio/panels/object_panel.h"
+#include "studio/plot/plot_panel.h"
+#include "studio/widgets/message_bar.h"
 #include "tests/studio/window/view_fixture.h"
 #include "tests/support/sample_recording.h"
-#include "tools/studio/model/robot_copy.h"
-#include "tools/studio/plot/plot_panel.h"
-#include "tools/studio/window/can_panel.h"
-#include "tools/studio/window/event_panel.h"
-#include "tools/studio/window/message_bar.h"
-#include "tools/studio/window/node_table.h"
-#include "tools/studio/window/object_panel.h"
-#include "tools/studio/window/scenario_settings.h"
-#include "tools/studio/window/transport_bar.h"
-#include "tools/view/recording/recording_file.h"
-#include "tools/view/render/looks.h"
+#include "view/recording/recording_file.h"
+#include "view/render/looks.h"
 
 namespace koboshi::studio {
 
@@ -141,7 +141,7 @@ class RunWindowTest final : public ViewFixture {
     QTemporaryDir folder;
     RobotCopies copies(kRoot / "robots/koboshi/robot.sdf", folder.path().toStdString());
     const std::filesystem::path other =
-        copies.write(sim::read_text_file(kRoot / "robots/koboshi/robot.sdf", "a robot"));
+        copies.write(read_text_file(kRoot / "robots/koboshi/robot.sdf", "a robot"));
     window_ = test::make_window(other);
     QVERIFY(window_);
     window_->use_robot_in_scenarios();
@@ -324,12 +324,15 @@ class RunWindowTest final : public ViewFixture {
       QTest::mouseClick(window_->findChild<QPushButton*>(QStringLiteral("restart")), Qt::LeftButton);
       return opened.wait(kPatience_ms);
     };
-    const auto ground = [&]() -> const sim::Ground& { return window_->run().session()->scenario().ground; };
+    const auto ground = [&]() -> const simulation::Ground& {
+      return window_->run().session()->scenario().ground;
+    };
     for (int i = 1; i < terrain->count(); ++i) {
       terrain->setCurrentIndex(i);
       const auto overrides = window_->findChild<ScenarioSettings*>()->overrides();
       // Throws for a ground that a scenario cannot have. Only the plane has no pieces.
-      QCOMPARE(sim::read_scenario(kRoot / "scenarios/go.yaml", overrides).ground.shapes.empty(), i == 1);
+      QCOMPARE(simulation::read_scenario(kRoot / "scenarios/go.yaml", overrides).ground.shapes.empty(),
+               i == 1);
     }
     roll->setValue(2.5);
     QVERIFY(restart());

@@ -25,12 +25,12 @@
 #include <functional>
 #include <utility>
 
+#include "studio/motion/motion_panel.h"
+#include "studio/plot/plot_widget.h"
+#include "studio/widgets/theme.h"
 #include "tests/studio/window/painted_text.h"
 #include "tests/studio/window/pseudo_locale.h"
 #include "tests/studio/window/window_fixture.h"
-#include "tools/studio/motion/motion_panel.h"
-#include "tools/studio/plot/plot_widget.h"
-#include "tools/studio/window/theme.h"
 
 namespace koboshi::studio {
 

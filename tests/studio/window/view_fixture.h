@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
+#include "studio/motion/motion_panel.h"
 #include "tests/studio/window/window_fixture.h"
-#include "tools/studio/motion/motion_panel.h"
-#include "tools/view/render/camera.h"
+#include "view/render/camera.h"
 
 namespace koboshi::studio {
 
@@ -24,7 +24,7 @@ class ViewFixture : public QObject {
   // Opens a scenario of the repository with the stepper that takes the least time.
   void open_scenario(const char* name) {
     QSignalSpy opened(&window_->run(), &RunController::opened);
-    const std::vector<sim::Override> quick{{"physics.stepper", "lumped", "stepper"}};
+    const std::vector<Override> quick{{"physics.stepper", "lumped", "stepper"}};
     window_->run().open_scenario(test::kRoot / "scenarios" / name, quick);
     QVERIFY(opened.wait(test::kPatience_ms));
   }

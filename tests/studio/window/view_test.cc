@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "studio/motion/joint_panel.h"
+#include "studio/view/sole_panel.h"
 #include "tests/studio/window/view_fixture.h"
 #include "tests/support/qt_tests.h"
-#include "tools/studio/motion/joint_panel.h"
-#include "tools/studio/view/sole_panel.h"
-#include "tools/view/render/playback.h"
+#include "view/render/playback.h"
 
 // What is seen and done in the view of the window.
 namespace koboshi::studio {

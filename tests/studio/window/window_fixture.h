@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "tools/studio/window/command_search.h"
-#include "tools/studio/window/main_window.h"
+#include "studio/widgets/command_search.h"
+#include "studio/window/main_window.h"
 
 // The window of a test of the studio. QtTest's macros return from the function in which they are, so helpers
 // return whether they have worked.

@@ -26,15 +26,15 @@
 #include <set>
 #include <vector>
 
+#include "studio/document/recovery.h"
+#include "studio/motion/motion_panel.h"
+#include "studio/motion/offer_bar.h"
+#include "studio/panels/log_panel.h"
+#include "studio/panels/object_panel.h"
+#include "studio/widgets/command_search.h"
+#include "studio/widgets/message_bar.h"
+#include "studio/widgets/theme.h"
 #include "tests/studio/window/view_fixture.h"
-#include "tools/studio/document/recovery.h"
-#include "tools/studio/motion/motion_panel.h"
-#include "tools/studio/motion/offer_bar.h"
-#include "tools/studio/window/command_search.h"
-#include "tools/studio/window/log_panel.h"
-#include "tools/studio/window/message_bar.h"
-#include "tools/studio/window/object_panel.h"
-#include "tools/studio/window/theme.h"
 
 namespace koboshi::studio {
 

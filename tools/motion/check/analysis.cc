@@ -43,13 +43,13 @@ std::size_t mean_delay(const std::vector<double>& response) {
 
 }  // namespace
 
-MotionAnalysis::MotionAnalysis(const sim::RobotDescription& robot, const Supply& supply)
+MotionAnalysis::MotionAnalysis(const sim_board::RobotDescription& robot, const Supply& supply)
     : robot_(robot),
       supply_(supply),
       body_(robot),
       pairs_(robot, body_),
       extremes_(robot, body_, pairs_, stiffness_Nm_) {
-  for (const sim::JointDescription& joint : robot.joints)
+  for (const sim_board::JointDescription& joint : robot.joints)
     stiffness_Nm_.push_back(stiffness_Nm_per_rad(joint.servo, supply.nominal_V));
   double ankles_Nm = 0.0;
   for (const auto* const ankle : {&robot.left_ankle, &robot.right_ankle})
@@ -117,7 +117,7 @@ void MotionAnalysis::add_torques(const Stance& stance, TickState& state) const {
   auto loads = std::make_shared<std::vector<ServoLoad>>();
   loads->reserve(robot_.joints.size());
   for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
-    const sim::ServoDescription& servo = robot_.joints[j].servo;
+    const sim_board::ServoDescription& servo = robot_.joints[j].servo;
     loads->push_back(servo_load(servo, stance.torques_Nm[j], speeds_[j], supply_.lowest_V));
     const double share = torque_share(servo, stance.torques_Nm[j], speeds_[j], supply_.lowest_V);
     if (share > state.torque.share) state.torque = {static_cast<std::uint8_t>(j), share};

@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "tools/motion/check/body.h"
 #include "tools/motion/check/collision.h"
 #include "tools/motion/check/mix_extremes.h"
@@ -59,7 +59,7 @@ struct Supply {
 class MotionAnalysis {
  public:
   // The robot must outlive the analysis.
-  MotionAnalysis(const sim::RobotDescription& robot, const Supply& supply);
+  MotionAnalysis(const sim_board::RobotDescription& robot, const Supply& supply);
 
   // Returns the state at each tick; valid until the next call. Returns early, with unusable states, once
   // `cancel` is set.
@@ -92,7 +92,7 @@ class MotionAnalysis {
   TickState compute(const Trajectory& trajectory, std::size_t tick);
   void add_torques(const Stance& stance, TickState& state) const;
 
-  const sim::RobotDescription& robot_;
+  const sim_board::RobotDescription& robot_;
   Supply supply_;
   Body body_;
   CollisionPairs pairs_;

@@ -10,14 +10,12 @@
 #include <string_view>
 #include <utility>
 
-#include "sim_board/input/user_units.h"
+#include "base/text/user_units.h"
 #include "tools/motion/check/sample.h"
 
 namespace koboshi::tools {
 namespace {
 
-using sim::kDegreesPerRad;
-using sim::kMmPerM;
 using simulation::Severity;
 
 constexpr double kRoll_rad = 2.0 / kDegreesPerRad;  // a roll onto an edge that the targets do not intend

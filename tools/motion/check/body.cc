@@ -26,10 +26,10 @@ Matrix3d rotation(const Vector3d& axis, double angle_rad) {
 
 }  // namespace
 
-Body::Body(const sim::RobotDescription& robot) {
-  const sim::LinkTree tree(robot);
+Body::Body(const sim_board::RobotDescription& robot) {
+  const sim_board::LinkTree tree(robot);
   for (const int index : tree.joints_from_root()) {
-    const sim::JointDescription& joint = robot.joints[static_cast<std::size_t>(index)];
+    const sim_board::JointDescription& joint = robot.joints[static_cast<std::size_t>(index)];
     const auto parent = static_cast<std::size_t>(joint.parent);
     const auto child = static_cast<std::size_t>(joint.child);
     const Eigen::Isometry3d X_PM = robot.links[parent].X_ML.inverse();
@@ -43,13 +43,13 @@ Body::Body(const sim::RobotDescription& robot) {
                        .R_PC = X_PC.linear(),
                        .p_AC_P = X_PC.translation() - anchor_P});
   }
-  for (const sim::LinkDescription& link : robot.links) {
+  for (const sim_board::LinkDescription& link : robot.links) {
     links_.push_back({link.mass_kg, link.p_LCom_L, link.I_LCom_L});
     mass_kg_ += link.mass_kg;
   }
-  for (const sim::JointDescription& joint : robot.joints)
+  for (const sim_board::JointDescription& joint : robot.joints)
     rotor_inertias_kg_m2_.push_back(joint.servo.rotor_inertia_kg_m2);
-  const auto feet = sim::feet_of(robot);
+  const auto feet = sim_board::feet_of(robot);
   for (std::size_t side = 0; side < feet_.size(); ++side) {
     if (!feet[side] || feet[side]->corners_L.size() != 4)
       throw std::invalid_argument("robot '" + robot.name + "' has no two feet of one box each");
@@ -162,7 +162,8 @@ Body::Wrench Body::link_wrenches(const Vector3d& up_B) {
     const Matrix3d& R = places_.R_BL[l];
     const Vector3d com_offset = R * link.com_L;
     const Vector3d acceleration = motion.dv + motion.dw.cross(com_offset) +
-                                  motion.w.cross(motion.w.cross(com_offset)) + sim::kGravity_m_per_s2 * up_B;
+                                  motion.w.cross(motion.w.cross(com_offset)) +
+                                  sim_board::kGravity_m_per_s2 * up_B;
     const Vector3d w_L = R.transpose() * motion.w;
     const Vector3d moment_L =
         link.inertia_L * (R.transpose() * motion.dw) + w_L.cross(Vector3d(link.inertia_L * w_L));
@@ -246,7 +247,7 @@ std::vector<Vector2d> Body::support_polygon(const Stance& stance) const {
   for (std::size_t i = 0; i < corners_B_.size(); ++i) {
     if ((stance.rest.corners >> i & 1U) != 0) points.push_back(axes.flat(corners_B_[i]));
   }
-  std::vector<Vector2d> hull = sim::convex_hull(points);
+  std::vector<Vector2d> hull = sim_board::convex_hull(points);
   if (points.size() == corners_B_.size()) return hull;
   for (std::size_t i = 0; i < corners_B_.size(); ++i) {
     if ((stance.rest.corners >> i & 1U) != 0) continue;
@@ -255,7 +256,7 @@ std::vector<Vector2d> Body::support_polygon(const Stance& stance) const {
     const double outside_m = -margin_in(hull, corner).distance_m;
     if (height_m < outside_m * std::tan(kNearRoll_rad)) points.push_back(corner);
   }
-  return sim::convex_hull(std::move(points));
+  return sim_board::convex_hull(std::move(points));
 }
 
 }  // namespace koboshi::tools

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "tools/motion/check/support.h"
 
 namespace koboshi::tools {
@@ -34,7 +34,7 @@ struct Stance {
 class Body {
  public:
   // The robot needs both ankle sensors: they say which links are feet. It must outlive the body.
-  explicit Body(const sim::RobotDescription& robot);
+  explicit Body(const sim_board::RobotDescription& robot);
 
   std::size_t joint_count() const { return joints_.size(); }
   void place(std::span<const double> angles_rad, LinkPlaces& places) const;

@@ -6,11 +6,11 @@
 
 #include "firmware/fixed/host/convert.h"
 #include "firmware/motion/motion.h"
+#include "sim_board/description/load.h"
 #include "sim_board/drive/drive_dictionary.h"
-#include "sim_board/robot/load.h"
-#include "sim_board/scenario/reader.h"
 #include "sim_board/servo/position_unit.h"
-#include "simulation/motion/compile.h"
+#include "simulation/motion_language/compile/compile.h"
+#include "simulation/scenario/reader.h"
 #include "tools/motion/check/unused.h"
 
 namespace koboshi::tools {
@@ -101,7 +101,7 @@ std::vector<std::string> claimed_joints(std::span<const std::byte> image,
 }
 
 // The supply from the robot's battery, or the servos' own.
-Supply supply_of(const sim::RobotDescription& robot, const app::ControllerValues& values) {
+Supply supply_of(const sim_board::RobotDescription& robot, const app::ControllerValues& values) {
   Supply supply;
   supply.nominal_V = robot.battery ? robot.battery->open_circuit_V : robot.joints.front().servo.supply_V;
   const std::uint32_t lowest_mV = values.parameters.supply_min_mV;
@@ -129,15 +129,16 @@ bool MotionReport::has_errors() const {
 }
 
 MotionChecker::MotionChecker(const std::filesystem::path& robot_file)
-    : MotionChecker(robot_file, simulation::controller_values(sim::read_robot_parameters(robot_file))) {}
+    : MotionChecker(robot_file,
+                    simulation::controller_values(simulation::read_robot_parameters(robot_file))) {}
 
 MotionChecker::MotionChecker(const std::filesystem::path& robot_file, const app::ControllerValues& values)
-    : robot_(std::make_shared<const sim::RobotDescription>(sim::load_robot(robot_file))),
+    : robot_(std::make_shared<const sim_board::RobotDescription>(sim_board::load_robot(robot_file))),
       model_(simulation::load_named_model(*robot_)),
       analysis_(*robot_, supply_of(*robot_, values)) {
   limits_.fall = values.recovery.fall;
   limits_.max_declared_lean_rad = 2.0 * std::numbers::pi * values.recovery.max_declared_lean / (1 << 16);
-  limits_.largest_cyclic_step_rad = sim::kDefaultCyclicStep * sim::kRadPerPositionUnit;
+  limits_.largest_cyclic_step_rad = sim_board::kDefaultCyclicStep * sim_board::kRadPerPositionUnit;
   limits_.standing_rad = standing_pose(robot_file, model_);
 }
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "simulation/assembly/parameters.h"
 #include "simulation/model/robot_model.h"
-#include "simulation/motion/diagnostic.h"
-#include "simulation/motion/parse.h"
-#include "simulation/scenario/parameters.h"
+#include "simulation/motion_language/parse/diagnostic.h"
+#include "simulation/motion_language/parse/parse.h"
 #include "tools/motion/check/analysis.h"
 #include "tools/motion/check/report.h"
 #include "tools/motion/check/sample.h"
@@ -54,10 +54,10 @@ struct CompiledMotion {
 class MotionChecker {
  public:
   // Reads the robot's file, its parameters and its standing motion (motions/stand.yaml beside it; without
-  // one, motions begin at joint angles zero). Throws sim::InputError.
+  // one, motions begin at joint angles zero). Throws InputError.
   explicit MotionChecker(const std::filesystem::path& robot_file);
 
-  // Throws sim::InputError for a file that the compiler refuses.
+  // Throws InputError for a file that the compiler refuses.
   [[nodiscard]] CompiledMotion compile(const std::filesystem::path& file) const;
   // The same for a text that need not be that of the file.
   [[nodiscard]] CompiledMotion compile(const simulation::MotionFile& motion) const;
@@ -70,7 +70,7 @@ class MotionChecker {
   // The first path of the last check, with its states: what plot and preview show.
   const Trajectory& trajectory() const { return trajectory_; }
   const std::vector<TickState>& states() const { return states_; }
-  const sim::RobotDescription& robot() const { return *robot_; }
+  const sim_board::RobotDescription& robot() const { return *robot_; }
   const simulation::NamedModel& model() const { return model_; }
   const MotionAnalysis& analysis() const { return analysis_; }
   CheckLimits& limits() { return limits_; }
@@ -80,7 +80,7 @@ class MotionChecker {
   void add_path(PathReport path, const Trajectory& trajectory, MotionReport& report) const;
   void add_diagnostics(const CompiledMotion& motion, MotionReport& report) const;
 
-  std::shared_ptr<const sim::RobotDescription> robot_;  // at a fixed address: the analyses refer to it
+  std::shared_ptr<const sim_board::RobotDescription> robot_;  // at a fixed address: the analyses refer to it
   simulation::NamedModel model_;
   CheckLimits limits_;
   MotionAnalysis analysis_;

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "sim_board/engine/model_constants.h"
+#include "sim_board/engine/common/model_constants.h"
 #include "sim_board/world/box_overlap.h"
 #include "sim_board/world/link_tree.h"
 
@@ -11,20 +11,20 @@ namespace koboshi::tools {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-CollisionPairs::CollisionPairs(const sim::RobotDescription& robot, const Body& body) {
+CollisionPairs::CollisionPairs(const sim_board::RobotDescription& robot, const Body& body) {
   for (std::size_t link = 0; link < robot.links.size(); ++link) {
-    for (const sim::BoxDescription& box : robot.links[link].collisions)
+    for (const sim_board::BoxDescription& box : robot.links[link].collisions)
       boxes_.push_back(
           {link, box.X_LG.linear(), box.X_LG.translation(), 0.5 * box.size_m, 0.5 * box.size_m.norm()});
   }
-  const sim::LinkTree tree(robot);
+  const sim_board::LinkTree tree(robot);
   LinkPlaces rest;
   body.place(std::vector<double>(robot.joints.size(), 0.0), rest);
   for (std::size_t a = 0; a < boxes_.size(); ++a) {
     for (std::size_t b = a + 1; b < boxes_.size(); ++b) {
       const int joints = tree.distance(static_cast<int>(boxes_[a].link), static_cast<int>(boxes_[b].link));
       const Pair pair{a, b};
-      if (joints >= sim::kMinJointsBetween && overlap_m(rest, pair) <= 0.0) pairs_.push_back(pair);
+      if (joints >= sim_board::kMinJointsBetween && overlap_m(rest, pair) <= 0.0) pairs_.push_back(pair);
     }
   }
 }
@@ -45,7 +45,7 @@ double CollisionPairs::overlap_m(const LinkPlaces& places, const Pair& pair) con
     X.translation() = p;
     return X;
   };
-  return sim::box_overlap_m(pose(a, centre_a), a.half_m, pose(b, centre_b), b.half_m);
+  return sim_board::box_overlap_m(pose(a, centre_a), a.half_m, pose(b, centre_b), b.half_m);
 }
 
 std::vector<Overlap> CollisionPairs::all(const LinkPlaces& places) const {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "tools/motion/check/body.h"
 
 namespace koboshi::tools {
@@ -16,11 +16,12 @@ struct Overlap {
   std::uint16_t other_link = 0;
 };
 
-// The pairs of collision boxes that may touch each other: those of links with at least sim::kMinJointsBetween
-// joints between them, as in the simulation, unless they overlap at joint angles zero.
+// The pairs of collision boxes that may touch each other: those of links with at least
+// sim_board::kMinJointsBetween joints between them, as in the simulation, unless they overlap at joint angles
+// zero.
 class CollisionPairs {
  public:
-  CollisionPairs(const sim::RobotDescription& robot, const Body& body);
+  CollisionPairs(const sim_board::RobotDescription& robot, const Body& body);
 
   // Returns the deepest overlap of links at these places, by separating axes of their boxes.
   Overlap deepest(const LinkPlaces& places) const;

@@ -68,7 +68,7 @@ void MixExtremes::apply(std::span<const double> targets_rad, const MixBounds& bo
   angles_.assign(targets_rad.begin(), targets_rad.end());
   for (const MixBound& bound : bounds) {
     const bool positive = (signs >> bound.source & 1U) != 0;
-    const sim::JointDescription& joint = robot_.joints[bound.joint];
+    const sim_board::JointDescription& joint = robot_.joints[bound.joint];
     double& angle_rad = angles_[bound.joint];
     angle_rad = std::clamp(angle_rad + (positive ? bound.bound_rad : -bound.bound_rad), joint.lower_rad,
                            joint.upper_rad);

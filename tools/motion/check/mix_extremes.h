@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "tools/motion/check/body.h"
 #include "tools/motion/check/collision.h"
 #include "tools/motion/check/trajectory.h"
@@ -36,7 +36,7 @@ class MixExtremes {
   static constexpr std::size_t kMaxExtremes = 16'384;
 
   // All must outlive the extremes. `stiffness_Nm`: of the servos, by joint, per rad.
-  MixExtremes(const sim::RobotDescription& robot, Body& body, const CollisionPairs& pairs,
+  MixExtremes(const sim_board::RobotDescription& robot, Body& body, const CollisionPairs& pairs,
               const std::vector<double>& stiffness_Nm)
       : robot_(robot), body_(body), pairs_(pairs), stiffness_Nm_(stiffness_Nm) {}
 
@@ -56,7 +56,7 @@ class MixExtremes {
   MixExtreme worst_of(const Trajectory& trajectory, std::size_t tick);
   void apply(std::span<const double> targets_rad, const MixBounds& bounds, std::uint8_t signs);
 
-  const sim::RobotDescription& robot_;
+  const sim_board::RobotDescription& robot_;
   Body& body_;
   const CollisionPairs& pairs_;
   const std::vector<double>& stiffness_Nm_;

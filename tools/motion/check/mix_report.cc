@@ -7,15 +7,13 @@
 #include <string>
 #include <utility>
 
-#include "sim_board/input/user_units.h"
-#include "simulation/motion/parse_settings.h"
+#include "base/text/user_units.h"
+#include "simulation/motion_language/parse/parse_settings.h"
 #include "tools/motion/check/balance.h"
 
 namespace koboshi::tools {
 namespace {
 
-using sim::kDegreesPerRad;
-using sim::kMmPerM;
 using simulation::Severity;
 
 constexpr double kNotedClamp_rad = 0.1 / kDegreesPerRad;  // poses are rounded to 0.02 degrees
@@ -23,7 +21,7 @@ constexpr double kNotedClamp_rad = 0.1 / kDegreesPerRad;  // poses are rounded t
 class MixJudge {
  public:
   MixJudge(const Trajectory& trajectory, const std::vector<TickState>& states,
-           const std::vector<MixExtreme>& extremes, const sim::RobotDescription& robot,
+           const std::vector<MixExtreme>& extremes, const sim_board::RobotDescription& robot,
            const CheckLimits& limits, PathReport& report)
       : trajectory_(trajectory),
         states_(states),
@@ -108,7 +106,7 @@ class MixJudge {
   const Trajectory& trajectory_;
   const std::vector<TickState>& states_;
   const std::vector<MixExtreme>& extremes_;
-  const sim::RobotDescription& robot_;
+  const sim_board::RobotDescription& robot_;
   const CheckLimits& limits_;
   PathReport& report_;
 };
@@ -116,7 +114,7 @@ class MixJudge {
 }  // namespace
 
 void judge_mixes(const Trajectory& trajectory, const std::vector<TickState>& states,
-                 const std::vector<MixExtreme>& extremes, const sim::RobotDescription& robot,
+                 const std::vector<MixExtreme>& extremes, const sim_board::RobotDescription& robot,
                  const CheckLimits& limits, PathReport& report) {
   MixJudge(trajectory, states, extremes, robot, limits, report).run();
 }

@@ -12,7 +12,7 @@ namespace koboshi::tools {
 // step in which the centre of mass then leaves the support polygon (C021). Such a step makes a stable path
 // close: nothing is known of the sensors. `report` has the verdict without corrections.
 void judge_mixes(const Trajectory& trajectory, const std::vector<TickState>& states,
-                 const std::vector<MixExtreme>& extremes, const sim::RobotDescription& robot,
+                 const std::vector<MixExtreme>& extremes, const sim_board::RobotDescription& robot,
                  const CheckLimits& limits, PathReport& report);
 
 }  // namespace koboshi::tools

@@ -7,9 +7,9 @@
 #include <map>
 #include <utility>
 
+#include "base/text/user_units.h"
 #include "firmware/fixed/host/convert.h"
 #include "firmware/motion/interpreter.h"
-#include "sim_board/input/user_units.h"
 #include "tools/motion/check/balance.h"
 #include "tools/motion/check/mix_report.h"
 #include "tools/motion/check/sample.h"
@@ -17,8 +17,6 @@
 namespace koboshi::tools {
 namespace {
 
-using sim::kDegreesPerRad;
-using sim::kMmPerM;
 using simulation::Severity;
 
 // Speeds of targets are those of poses in steps of 2^-14 turn, divided by the time of a step.
@@ -32,7 +30,7 @@ constexpr double kAtStanding_rad = 10.0 / kDegreesPerRad;
 class Judge {
  public:
   Judge(const Trajectory& trajectory, const std::vector<TickState>& states,
-        const std::vector<MixExtreme>& extremes, const sim::RobotDescription& robot,
+        const std::vector<MixExtreme>& extremes, const sim_board::RobotDescription& robot,
         const CheckLimits& limits)
       : trajectory_(trajectory), states_(states), extremes_(extremes), robot_(robot), limits_(limits) {}
 
@@ -268,7 +266,7 @@ class Judge {
   const Trajectory& trajectory_;
   const std::vector<TickState>& states_;
   const std::vector<MixExtreme>& extremes_;
-  const sim::RobotDescription& robot_;
+  const sim_board::RobotDescription& robot_;
   const CheckLimits& limits_;
   std::vector<std::size_t> report_of_step_;
   PathReport report_;
@@ -289,7 +287,7 @@ Finding finding_at(const Trajectory& trajectory, std::size_t tick, std::string c
 }
 
 PathReport judge(const Trajectory& trajectory, const std::vector<TickState>& states,
-                 const sim::RobotDescription& robot, const CheckLimits& limits,
+                 const sim_board::RobotDescription& robot, const CheckLimits& limits,
                  const std::vector<MixExtreme>& extremes) {
   if (trajectory.ticks() == 0) return {};
   return Judge(trajectory, states, extremes, robot, limits).run();

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "firmware/behaviour/fall_detector.h"
-#include "sim_board/robot/description.h"
-#include "simulation/motion/diagnostic.h"
+#include "sim_board/description/description.h"
+#include "simulation/motion_language/parse/diagnostic.h"
 #include "tools/motion/check/analysis.h"
 #include "tools/motion/check/trajectory.h"
 
@@ -77,7 +77,7 @@ inline constexpr double kTouching_m = 0.0005;
 
 // Judges a path. `states` and `extremes` are those of the trajectory (MotionAnalysis).
 [[nodiscard]] PathReport judge(const Trajectory& trajectory, const std::vector<TickState>& states,
-                               const sim::RobotDescription& robot, const CheckLimits& limits,
+                               const sim_board::RobotDescription& robot, const CheckLimits& limits,
                                const std::vector<MixExtreme>& extremes = {});
 
 }  // namespace koboshi::tools

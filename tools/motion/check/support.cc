@@ -81,7 +81,7 @@ Rest find_rest(std::span<const Vector3d> corners_B, const Vector3d& com_B, const
       touching.push_back(axes.flat(corners_B[i]));
     }
     if (roll == 0) initial = rest;
-    const std::vector<Vector2d> hull = sim::convex_hull(touching);
+    const std::vector<Vector2d> hull = sim_board::convex_hull(touching);
     const Vector2d com = axes.flat(com_B);
     if (margin_in(hull, com).distance_m >= 0.0) {
       rest.rests = true;

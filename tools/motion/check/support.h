@@ -43,8 +43,8 @@ struct Margin {
   Eigen::Vector2d outward;  // unit vector across the nearest edge, away from the polygon
 };
 
-// The margin in a convex polygon in the order of sim::convex_hull. A polygon of one or two corners has no
-// inside.
+// The margin in a convex polygon in the order of sim_board::convex_hull. A polygon of one or two corners has
+// no inside.
 [[nodiscard]] Margin margin_in(std::span<const Eigen::Vector2d> polygon, const Eigen::Vector2d& point);
 
 }  // namespace koboshi::tools

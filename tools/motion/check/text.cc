@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "sim_board/input/user_units.h"
+#include "base/text/user_units.h"
 
 namespace koboshi::tools {
 namespace {
@@ -20,7 +20,7 @@ StepPlace place_of(const MotionReport& report, std::uint16_t step) {
 }
 
 double max_speed_deg_per_s(const MotionChecker& checker, const JointShare& speed) {
-  return speed.share * checker.robot().joints[speed.joint].max_speed_rad_per_s * sim::kDegreesPerRad;
+  return speed.share * checker.robot().joints[speed.joint].max_speed_rad_per_s * kDegreesPerRad;
 }
 
 std::string step_table(const MotionReport& report, const MotionChecker& checker) {
@@ -30,9 +30,8 @@ std::string step_table(const MotionReport& report, const MotionChecker& checker)
   for (const PathReport& path : report.paths) {
     for (const StepReport& step : path.steps) {
       const StepPlace place = place_of(report, step.step);
-      const std::string margin = std::isfinite(step.least_margin_m)
-                                     ? fmt::format("{:.1f}", step.least_margin_m * sim::kMmPerM)
-                                     : "-";
+      const std::string margin =
+          std::isfinite(step.least_margin_m) ? fmt::format("{:.1f}", step.least_margin_m * kMmPerM) : "-";
       const std::string speed = step.speed.share > 0.0
                                     ? fmt::format("{:5.0f} {}", max_speed_deg_per_s(checker, step.speed),
                                                   checker.robot().joints[step.speed.joint].name)
@@ -59,8 +58,7 @@ std::string verdict_text(const MotionReport& report) {
   if (report.balance == Balance::kNotJudged) return text + ": the motion is not for a standing robot";
   const StepPlace place = place_of(report, report.least_margin_step);
   return text + fmt::format(": least margin {:.1f} mm at {:.2f} s, line {}, {}",
-                            report.least_margin_m * sim::kMmPerM, report.least_margin_s, place.line,
-                            place.text);
+                            report.least_margin_m * kMmPerM, report.least_margin_s, place.line, place.text);
 }
 
 }  // namespace
@@ -87,7 +85,7 @@ std::string report_json(const MotionReport& report, const MotionChecker& checker
   if (report.balance == Balance::kNotJudged)
     json["least_margin_mm"] = nullptr;
   else
-    json["least_margin_mm"] = rounded(report.least_margin_m * sim::kMmPerM, 0.01);
+    json["least_margin_mm"] = rounded(report.least_margin_m * kMmPerM, 0.01);
   json["least_margin_s"] = rounded(report.least_margin_s, kTick_s);
   json["duration_s"] = rounded(report.duration_s, kTick_s);
   json["duration_cut"] = report.duration_cut;
@@ -107,7 +105,7 @@ std::string report_json(const MotionReport& report, const MotionChecker& checker
                        {"start_s", rounded(step.start_s, kTick_s)},
                        {"duration_s", rounded(step.duration_s, kTick_s)}};
       if (std::isfinite(step.least_margin_m))
-        row["least_margin_mm"] = rounded(step.least_margin_m * sim::kMmPerM, 0.01);
+        row["least_margin_mm"] = rounded(step.least_margin_m * kMmPerM, 0.01);
       row["fastest_joint"] = checker.robot().joints[step.speed.joint].name;
       row["fastest_deg_per_s"] = rounded(max_speed_deg_per_s(checker, step.speed), 0.1);
       row["torque_joint"] = checker.robot().joints[step.torque.joint].name;

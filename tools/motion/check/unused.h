@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "firmware/motion/motion.h"
-#include "simulation/motion/compile.h"
-#include "simulation/motion/diagnostic.h"
-#include "simulation/motion/source.h"
+#include "simulation/motion_language/compile/compile.h"
+#include "simulation/motion_language/parse/diagnostic.h"
+#include "simulation/motion_language/parse/source.h"
 
 namespace koboshi::tools {
 

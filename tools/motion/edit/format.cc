@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
-#include "sim_board/input/yaml_tree.h"
+#include "base/text/error.h"
+#include "base/text/text.h"
+#include "base/yaml/yaml_tree.h"
 #include "tools/edit/yaml_document.h"
 #include "tools/edit/yaml_places.h"
 
@@ -126,10 +126,10 @@ class Formatter {
     const std::string document = "{value: " + text + "}";
     std::string value;
     try {
-      value = sim::parse_yaml(place.kind == YamlPlace::Kind::kScalar ? document : "value: " + text, "")
+      value = parse_yaml(place.kind == YamlPlace::Kind::kScalar ? document : "value: " + text, "")
                   .items.at(0)
                   .scalar;
-    } catch (const sim::InputError&) {
+    } catch (const InputError&) {
       value = text;
     }
     std::string quoted = "\"";
@@ -257,42 +257,41 @@ class Formatter {
   std::string out_;
 };
 
-bool is_same(const sim::YamlNode& a, const sim::YamlNode& b) {
+bool is_same(const YamlNode& a, const YamlNode& b) {
   return a.kind == b.kind && a.key == b.key && a.scalar == b.scalar && a.items.size() == b.items.size() &&
          std::equal(a.items.begin(), a.items.end(), b.items.begin(), is_same);
 }
 
 // The layout is that of motions: a scenario in it would be no longer readable.
-void refuse_other_files(const sim::YamlNode& root, const std::filesystem::path& source) {
-  const sim::YamlNode* version = root.find("version");
+void refuse_other_files(const YamlNode& root, const std::filesystem::path& source) {
+  const YamlNode* version = root.find("version");
   const int line = version == nullptr ? 0 : version->line;
   const std::string number = version == nullptr ? std::string() : version->scalar;
   if (number != "1" && number != "2") {
-    throw sim::InputError(source, line,
-                          version == nullptr ? "no version" : "version " + sim::one_line(number),
-                          "a motion of version 1 or 2");
+    throw InputError(source, line, version == nullptr ? "no version" : "version " + one_line(number),
+                     "a motion of version 1 or 2");
   }
-  if (root.find("steps") == nullptr) throw sim::InputError(source, 0, "no key steps", "a motion");
+  if (root.find("steps") == nullptr) throw InputError(source, 0, "no key steps", "a motion");
 }
 
 }  // namespace
 
 std::string format_motion(const std::filesystem::path& source, const std::string& text) {
-  const sim::YamlNode before = sim::parse_yaml(text, source);
+  const YamlNode before = parse_yaml(text, source);
   refuse_other_files(before, source);
   std::string formatted = Formatter(text, locate_yaml(text, source)).format();
-  if (!is_same(before, sim::parse_yaml(formatted, source)))
-    throw sim::InputError(source, 0, "a layout that the formatter cannot keep",
-                          "a motion file in flow and block style");
+  if (!is_same(before, parse_yaml(formatted, source)))
+    throw InputError(source, 0, "a layout that the formatter cannot keep",
+                     "a motion file in flow and block style");
   return formatted;
 }
 
 std::string upgrade_motion(const std::filesystem::path& source, const std::string& text) {
   YamlDocument document(source, text);
-  const sim::YamlNode* version = document.tree().find("version");
+  const YamlNode* version = document.tree().find("version");
   if (version == nullptr || version->scalar != "1") return text;
   // In version 1 an end follows every last step; in version 2 a jump can be the last one.
-  const sim::YamlNode* steps = document.tree().find("steps");
+  const YamlNode* steps = document.tree().find("steps");
   const bool ends_with_jump =
       steps != nullptr && !steps->items.empty() && steps->items.back().find("jump") != nullptr;
   if (ends_with_jump) document.insert(YamlPath("steps." + std::to_string(steps->items.size())), "end");

@@ -5,10 +5,10 @@
 #include <cctype>
 #include <vector>
 
-#include "sim_board/input/text.h"
-#include "sim_board/input/yaml_tree.h"
-#include "simulation/motion/expression.h"
-#include "simulation/motion/sensors.h"
+#include "base/text/text.h"
+#include "base/yaml/yaml_tree.h"
+#include "simulation/motion_language/parse/expression.h"
+#include "simulation/motion_language/parse/sensors.h"
 #include "tools/edit/yaml_places.h"
 
 namespace koboshi::tools {
@@ -25,7 +25,7 @@ std::string other_side(const std::string& name) {
 
 std::string negated(std::string number) {
   if (number.starts_with('-')) return number.substr(1);
-  const auto value = sim::parse_number(number);
+  const auto value = koboshi::parse_number(number);
   if (!value || *value == 0.0) return number;
   if (number.starts_with('+')) number.erase(0, 1);
   return "-" + number;
@@ -282,7 +282,7 @@ std::string mirror_expression(std::string_view text, const JointNames& joints) {
 
 std::string mirror_motion(const std::filesystem::path& source, const std::string& text,
                           const JointNames& joints, const std::optional<std::string>& name) {
-  static_cast<void>(sim::parse_yaml(text, source));
+  static_cast<void>(parse_yaml(text, source));
   return Mirror(text, joints, name).mirror(locate_yaml(text, source));
 }
 

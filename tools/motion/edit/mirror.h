@@ -4,14 +4,14 @@
 #include <optional>
 #include <string>
 
-#include "simulation/motion/joints.h"
+#include "simulation/motion_language/parse/joints.h"
 
 namespace koboshi::tools {
 
 // Returns the mirror image of a motion file: left and right are exchanged in joints, feet, hands and sensors,
 // and everything about the axes x and z, or along y, changes its sign. Comments, order and layout stay;
 // mirroring twice gives the same motion. `name`: of the result; without it, left and right are exchanged in
-// the name as well. The text must be a motion without errors. Throws sim::InputError for text that is no
+// the name as well. The text must be a motion without errors. Throws InputError for text that is no
 // YAML.
 [[nodiscard]] std::string mirror_motion(const std::filesystem::path& source, const std::string& text,
                                         const simulation::JointNames& joints,

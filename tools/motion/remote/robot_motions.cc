@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "bus/can/source.h"
 #include "firmware/app/dictionary.h"
 #include "firmware/app/object_texts.h"
 #include "firmware/behaviour/command.h"
@@ -16,7 +17,6 @@
 #include "firmware/canopen/frame.h"
 #include "firmware/drive/configuration.h"
 #include "firmware/storage/item.h"
-#include "tools/can/source.h"
 
 namespace koboshi::tools {
 namespace {
@@ -73,7 +73,7 @@ struct RobotMotions::Telemetry {
   Reason refusal;
 };
 
-RobotMotions::RobotMotions(sim::Transport& transport) : transport_(transport), sdo_(transport, kNode) {}
+RobotMotions::RobotMotions(sim_board::Transport& transport) : transport_(transport), sdo_(transport, kNode) {}
 
 std::vector<RobotMotion> RobotMotions::list() {
   constexpr std::uint16_t kMaskBits = 32;

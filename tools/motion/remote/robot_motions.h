@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "bus/can/sdo_transfer.h"
 #include "sim_board/can/transport/transport.h"
-#include "tools/can/sdo_transfer.h"
 
 namespace koboshi::tools {
 
@@ -25,7 +25,7 @@ struct RobotMotion {
 class RobotMotions {
  public:
   // The transport must outlive this.
-  explicit RobotMotions(sim::Transport& transport);
+  explicit RobotMotions(sim_board::Transport& transport);
 
   // Returns the motions that the robot can play, in the order of their numbers.
   std::vector<RobotMotion> list();
@@ -52,7 +52,7 @@ class RobotMotions {
 
   Telemetry next_telemetry();
 
-  sim::Transport& transport_;
+  sim_board::Transport& transport_;
   SdoTransfer sdo_;
 };
 

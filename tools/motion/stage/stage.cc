@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "sim_board/scenario/paths.h"
-#include "sim_board/scenario/reader.h"
+#include "simulation/scenario/paths.h"
+#include "simulation/scenario/reader.h"
 
 namespace koboshi::tools {
 namespace {
@@ -18,13 +18,13 @@ constexpr double kRest_s = 2.0;
 
 }  // namespace
 
-sim::Scenario stage_scenario(const std::filesystem::path& motion, const MotionReport& checked,
-                             std::vector<sim::Override> overrides) {
-  const auto stage = sim::find_input(sim::InputKind::kScenario, "scenarios/motion.yaml");
-  const sim::Scenario empty = sim::read_scenario(stage, overrides);
+simulation::Scenario stage_scenario(const std::filesystem::path& motion, const MotionReport& checked,
+                                    std::vector<Override> overrides) {
+  const auto stage = simulation::find_input(simulation::InputKind::kScenario, "scenarios/motion.yaml");
+  const simulation::Scenario empty = simulation::read_scenario(stage, overrides);
   const std::string name = motion.stem().string();
   nlohmann::json motions = nlohmann::json::array();
-  for (const sim::MotionChoice& other : empty.motions) {
+  for (const simulation::MotionChoice& other : empty.motions) {
     if (other.name() != name) motions.push_back(other.file.string());
   }
   motions.push_back(std::filesystem::absolute(motion).string());
@@ -36,7 +36,7 @@ sim::Scenario stage_scenario(const std::filesystem::path& motion, const MotionRe
   overrides.push_back({"motions", motions.dump(), "MOTION"});
   overrides.push_back({"commands", commands.dump(), "MOTION"});
   overrides.push_back({"duration_s", fmt::format("{:.2f}", duration_s), "MOTION"});
-  return sim::read_scenario(stage, overrides);
+  return simulation::read_scenario(stage, overrides);
 }
 
 }  // namespace koboshi::tools

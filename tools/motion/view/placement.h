@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "sim_board/robot/description.h"
+#include "sim_board/description/description.h"
 #include "tools/motion/check/body.h"
-#include "tools/view/recording/recording.h"
+#include "view/recording/recording.h"
 
 namespace koboshi::tools {
 
@@ -16,7 +16,7 @@ namespace koboshi::tools {
 class Placement {
  public:
   // The robot must outlive this.
-  explicit Placement(const sim::RobotDescription& robot) : body_(robot) {}
+  explicit Placement(const sim_board::RobotDescription& robot) : body_(robot) {}
 
   // Returns X_WB, the pose of the trunk, with these joint angles.
   Eigen::Isometry3d place(std::span<const double> angles_rad);

@@ -9,12 +9,12 @@
 
 #include <fmt/format.h>
 
-#include "sim_board/input/error.h"
-#include "sim_board/input/foreign_text.h"
-#include "sim_board/input/user_units.h"
-#include "sim_board/record/output_file.h"
-#include "tools/lab/plot/figure.h"
-#include "tools/lab/plot/legend.h"
+#include "base/file/output_file.h"
+#include "base/text/error.h"
+#include "base/text/foreign_text.h"
+#include "base/text/user_units.h"
+#include "tools/plot/figure.h"
+#include "tools/plot/legend.h"
 
 namespace koboshi::tools {
 namespace {
@@ -81,16 +81,16 @@ Columns columns_of_motion(MotionChecker const& checker, const std::vector<std::s
 }  // namespace
 
 void plot_motion(const MotionReport& report, const MotionChecker& checker, const std::filesystem::path& out) {
-  if (sim::extension_of(out) != ".png" && sim::extension_of(out) != ".svg")
-    throw sim::InputError(out, 0, "a picture '" + out.filename().string() + "'",
-                          "a name that ends in .png or .svg");
+  if (extension_of(out) != ".png" && extension_of(out) != ".svg")
+    throw InputError(out, 0, "a picture '" + out.filename().string() + "'",
+                     "a name that ends in .png or .svg");
   const std::vector<std::size_t> joints = moving_joints(checker.trajectory());
   Figure figure{.title = fmt::format("Motion {}: {}", report.name,
                                      kBalanceNames[static_cast<std::size_t>(report.balance)])};
   Panel angles{.y_label = "target [deg]", .smallest_span = 2.0};
   for (const std::size_t joint : joints) {
     const std::string& name = checker.robot().joints[joint].name;
-    angles.series.push_back({.column = name, .label = name, .factor = sim::kDegreesPerRad});
+    angles.series.push_back({.column = name, .label = name, .factor = kDegreesPerRad});
   }
   figure.panels.push_back(angles);
   figure.panels.push_back(
@@ -98,13 +98,13 @@ void plot_motion(const MotionReport& report, const MotionChecker& checker, const
        .series = {series(Role::kFirst, "speed", "speed, fastest joint", kPercent),
                   series(Role::kPlanned, "torque", "torque at the lowest supply, worst joint", kPercent)},
        .smallest_span = 20.0});
-  Series close = series(Role::kTheory, "close_m", "close to the edge", sim::kMmPerM);
-  Series beyond = series(Role::kTheory, "beyond_m", "", sim::kMmPerM);
-  Series edge = series(Role::kTrue, "edge_m", "edge of the support polygon", sim::kMmPerM);
+  Series close = series(Role::kTheory, "close_m", "close to the edge", kMmPerM);
+  Series beyond = series(Role::kTheory, "beyond_m", "", kMmPerM);
+  Series edge = series(Role::kTrue, "edge_m", "edge of the support polygon", kMmPerM);
   figure.panels.push_back(
       {.y_label = "margin [mm]",
-       .series = {series(Role::kPlanned, "zmp_m", "ZMP", sim::kMmPerM),
-                  series(Role::kFirst, "com_m", "centre of mass", sim::kMmPerM), edge, close, beyond},
+       .series = {series(Role::kPlanned, "zmp_m", "ZMP", kMmPerM),
+                  series(Role::kFirst, "com_m", "centre of mass", kMmPerM), edge, close, beyond},
        .smallest_span = 20.0});
   if (!report.paths.empty()) {
     for (const Finding& finding : report.paths.front().findings)
@@ -116,12 +116,12 @@ void plot_motion(const MotionReport& report, const MotionChecker& checker, const
   std::error_code failed;
   for (const char* const extension : {".png", ".svg"}) {
     const std::filesystem::path drawn = base.string() + extension;
-    if (sim::extension_of(out) == extension)
+    if (extension_of(out) == extension)
       std::filesystem::rename(drawn, out, failed);
     else
       std::filesystem::remove(drawn);
   }
-  if (failed) throw sim::WriteError(out, failed.value());
+  if (failed) throw WriteError(out, failed.value());
 }
 
 }  // namespace koboshi::tools

@@ -8,7 +8,7 @@
 #include "sim_board/world/gravity.h"
 #include "sim_board/world/ground.h"
 #include "tools/motion/view/placement.h"
-#include "tools/view/capture/scene.h"
+#include "view/capture/scene.h"
 
 namespace koboshi::tools {
 namespace {
@@ -21,7 +21,8 @@ constexpr std::uint64_t kTick_us = 10'000;
 
 void add_contacts(const Placement& placement, const Isometry3d& X_WB, view::Sample& sample) {
   const Rest& rest = placement.stance().rest;
-  const double force_N = placement.body().mass_kg() * sim::kGravity_m_per_s2 / std::popcount(rest.corners);
+  const double force_N =
+      placement.body().mass_kg() * sim_board::kGravity_m_per_s2 / std::popcount(rest.corners);
   for (std::size_t i = 0; i < placement.body().corners_B().size(); ++i) {
     if ((rest.corners >> i & 1U) == 0) continue;
     const Vector3d corner_W = X_WB * placement.body().corners_B()[i];
@@ -36,7 +37,7 @@ void add_contacts(const Placement& placement, const Isometry3d& X_WB, view::Samp
 view::Recording preview_recording(const MotionReport& report, const MotionChecker& checker) {
   view::Recording recording;
   recording.title = report.name + ", preview";
-  recording.scene = view::make_scene(checker.robot(), sim::GroundDescription());
+  recording.scene = view::make_scene(checker.robot(), sim_board::GroundDescription());
   recording.signals = {{.name = "planned_zmp_x", .unit = "m"}, {.name = "planned_zmp_y", .unit = "m"}};
   const Trajectory& trajectory = checker.trajectory();
   Placement placement(checker.robot());

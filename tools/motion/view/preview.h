@@ -1,7 +1,7 @@
 #pragma once
 
 #include "tools/motion/check/check.h"
-#include "tools/view/recording/recording.h"
+#include "view/recording/recording.h"
 
 namespace koboshi::tools {
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/canopen/stored_parameters.h"
+#include "firmware/canopen/node/stored_parameters.h"
 #include "hal/fake/storage.h"
 #include "tests/unit/firmware/canopen/storing_node.h"
 

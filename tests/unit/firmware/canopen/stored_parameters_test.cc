@@ -1,4 +1,4 @@
-#include "firmware/canopen/stored_parameters.h"
+#include "firmware/canopen/node/stored_parameters.h"
 
 #include <array>
 #include <optional>

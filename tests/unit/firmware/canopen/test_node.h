@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "firmware/canopen/device_services.h"
-#include "firmware/canopen/node.h"
+#include "firmware/canopen/node/device_services.h"
+#include "firmware/canopen/node/node.h"
 
 namespace koboshi::hal {
 

@@ -1,4 +1,4 @@
-#include "firmware/canopen/device_services.h"
+#include "firmware/canopen/node/device_services.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 
 #include "tests/support/sample_robots.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // In place of the firmware: keeps what it was given and answers what the test says.
@@ -208,4 +208,4 @@ TEST_F(SimBoardTest, KeepsADeadDriveOffTheBusAfterTheControllerRejoins) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -3,7 +3,7 @@
 #include "tests/unit/sim_board/can/bus_fixture.h"
 #include "tests/unit/sim_board/can/bus_times.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using hal::CanErrorState;
@@ -259,4 +259,4 @@ TEST(Bus, DeliversToALateNodeOnlyFramesThatStartAfterIt) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -10,7 +10,7 @@
 #include "tests/unit/sim_board/can/bus_fixture.h"
 #include "tests/unit/sim_board/can/bus_times.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using hal::CanErrorState;
@@ -309,4 +309,4 @@ TEST_F(BusFaultsTest, CannotBeRestoredWithAnotherNodeOnTheBus) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -8,7 +8,7 @@
 #include "sim_board/can/bus.h"
 #include "tests/unit/sim_board/can/reference_encoder.h"
 
-namespace koboshi::sim::test {
+namespace koboshi::sim_board::test {
 
 struct SeenFrame {
   hal::CanFrame frame;
@@ -64,4 +64,4 @@ inline hal::CanFrame make_frame(std::uint16_t identifier, std::vector<std::uint8
 // The frame's length by the reference encoder, in microseconds at 1 Mbit/s.
 inline std::uint64_t length_us(const hal::CanFrame& frame) { return encode(frame).wire.size(); }
 
-}  // namespace koboshi::sim::test
+}  // namespace koboshi::sim_board::test

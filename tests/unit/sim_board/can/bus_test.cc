@@ -8,7 +8,7 @@
 #include "tests/unit/sim_board/can/bus_fixture.h"
 #include "tests/unit/sim_board/can/bus_times.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using test::length_us;
@@ -346,4 +346,4 @@ TEST(Bus, BehavesTheSameForAnyStepSize) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/input/error.h"
+#include "base/text/error.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/sim_board/can/bus_fixture.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using test::make_frame;
@@ -295,4 +295,4 @@ TEST_F(CandumpLog, RejectsAMissingFile) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -9,7 +9,7 @@
 #include "sim_board/can/foreign_frame.h"
 #include "tests/unit/sim_board/can/reference_encoder.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 hal::CanFrame random_frame(std::mt19937& random) {
@@ -111,4 +111,4 @@ TEST(BitsToDifference, CountEveryBitUpToTheFirstDifferentOne) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,7 +5,7 @@
 
 #include "hal/port/can.h"
 
-namespace koboshi::sim::test {
+namespace koboshi::sim_board::test {
 
 // A classic CAN frame written out bit by bit as the standard's text says it, without tables or shortcuts.
 struct EncodedFrame {
@@ -60,4 +60,4 @@ inline EncodedFrame encode(const hal::CanFrame& frame) {
   return encoded;
 }
 
-}  // namespace koboshi::sim::test
+}  // namespace koboshi::sim_board::test

@@ -10,7 +10,7 @@
 #include "firmware/canopen/sdo/protocol.h"
 #include "sim_board/drive/drive.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 using State = canopen::cia402::State;
 namespace cia402 = canopen::cia402;
@@ -130,4 +130,4 @@ class DriveTest : public testing::Test, private BusNode {
   NodeHandle controller_;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

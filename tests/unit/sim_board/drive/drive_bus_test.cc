@@ -4,7 +4,7 @@
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
 // What a drive makes of the state of its own CAN controller.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using hal::CanErrorState;
@@ -94,4 +94,4 @@ TEST_F(DriveOnABadBus, FollowsItsOptionCodeAtBusOff) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -1,7 +1,7 @@
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
 // Faults that a drive finds in its servo, each with its emergency.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 TEST_F(DriveTest, MonitorsTheFollowingErrorOnlyWhenConfigured) {
@@ -192,4 +192,4 @@ TEST_F(DriveTest, DisablesTorqueWhenItsEncoderFailsDuringAQuickStop) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -3,7 +3,7 @@
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
 // Homing mode of the drive, CiA 402-2, by methods 35 and 37.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::uint16_t kEnabledForHoming = cia402::kControlEnableOperation;
@@ -119,4 +119,4 @@ TEST_F(HomingDriveTest, ClearsHomeAtReset) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,7 +4,7 @@
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
 // What a drive does not do although it is asked to: 0x607D, 0x6080, 0x60C5 and 0x2001.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr double kRpm = (1 << 20) / 60.0;
@@ -254,4 +254,4 @@ TEST_F(LimitedDrive, KeepsItsLimitsInProfilePositionMode) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

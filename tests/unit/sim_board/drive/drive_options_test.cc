@@ -1,7 +1,7 @@
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
 // The option codes 0x605A to 0x605E, each on a drive in motion: what it does, how long, and where it ends.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 struct Stop {
@@ -170,4 +170,4 @@ TEST_F(DriveTest, DoesNotWaitForARampWhenTheLineFalls) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

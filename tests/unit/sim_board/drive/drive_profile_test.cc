@@ -3,7 +3,7 @@
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
 // Profile position mode of the drive, CiA 402-2.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::uint16_t kEnabled = cia402::kControlEnableOperation;
@@ -226,4 +226,4 @@ TEST_F(ProfileDriveTest, RejectsUnsupportedModesAndOptions) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

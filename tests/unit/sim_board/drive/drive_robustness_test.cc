@@ -9,7 +9,7 @@
 #include "tests/support/random_frames.h"
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using test::Random;
@@ -188,4 +188,4 @@ TEST_F(DriveRobustness, SurvivesRandomFrames) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

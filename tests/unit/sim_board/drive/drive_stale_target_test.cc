@@ -6,7 +6,7 @@
 
 // Nothing but a target that has been given since moves a shaft after a reset, an enabling, a change of the
 // mode, homing, a stop or a fault.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::int32_t kShaftPlace = 200'192;  // 69 degrees
@@ -185,4 +185,4 @@ TEST_F(StaleTarget, MovesNothingInAnySequence) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using State = canopen::cia402::State;
@@ -125,4 +125,4 @@ TEST(DriveStateMachine, LeavesAFaultOnlyByTheRisingEdgeOfFaultReset) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

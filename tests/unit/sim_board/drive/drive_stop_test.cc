@@ -6,7 +6,7 @@
 #include "tests/unit/sim_board/drive/turning_drive.h"
 
 // A stop ends within a second and within 0x607D, whatever the objects of its ramps hold.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::int32_t kStopRange = 120 * kDegree;
@@ -239,4 +239,4 @@ TEST_F(StoppingDrive, EndsInTimeForRandomObjects) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,7 +4,7 @@
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
 // What a drive keeps without power: parameters (CiA 301, 0x1010 and 0x1011) and its node id (CiA 305).
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::uint32_t kSave = 0x6576'6173;
@@ -148,4 +148,4 @@ TEST_F(StoringDriveTest, WaitsInLssWithoutANodeId) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -1,6 +1,6 @@
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 TEST_F(DriveTest, SendsBootUpAndIsLimp) {
@@ -278,4 +278,4 @@ TEST_F(DriveTest, IsSilentAndLimpWithoutPowerAndBootsWhenItReturns) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

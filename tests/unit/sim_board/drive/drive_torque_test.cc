@@ -1,7 +1,7 @@
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
 // The torque limit of a drive, 0x6072.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::int32_t kFarAway = 500'000;  // from there the position loop asks for the whole supply
@@ -78,4 +78,4 @@ TEST_F(DriveTorque, IsFullAgainAfterAReset) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -1,7 +1,7 @@
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
 // A master that sends no SYNC, or seldom: the drive obeys it and tells the truth nevertheless.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 class DriveWithoutSync : public DriveTest {
@@ -152,4 +152,4 @@ TEST_F(DriveWithoutSync, DefersASynchronousRpdo) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,7 +5,7 @@
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
 // One check judges a value, whichever service writes it.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 class WrittenValues : public DriveTest {
@@ -121,4 +121,4 @@ TEST_F(WrittenValues, DoNotKeepAPdoFromStoppingTheDrive) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr ProfileLimits kLimits{
@@ -73,4 +73,4 @@ TEST(MotionProfile, KeepsItsLimitsOverAnyDistance) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

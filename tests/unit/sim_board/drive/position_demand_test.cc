@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::uint32_t kCycle_us = 10'000;
@@ -253,4 +253,4 @@ TEST(PositionDemand, TurnsBackWithinItsRange) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -1,7 +1,7 @@
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
 // A drive that is restored does what it did before, to the bit.
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 JointDescription with_everything() {
@@ -111,4 +111,4 @@ TEST_F(SavedDriveTest, ContinuesWhileStoringItsParameters) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,7 +5,7 @@
 
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // A drive whose shaft turns by the torque of its servo, with a load of the rotor's own inertia.
 class TurningDrive : public DriveTest {
@@ -49,4 +49,4 @@ class TurningDrive : public DriveTest {
   }
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

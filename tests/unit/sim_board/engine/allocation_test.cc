@@ -5,7 +5,7 @@
 #include "tests/support/sample_robots.h"
 #include "tests/unit/sim_board/engine/engines.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using test::allocations;
@@ -56,4 +56,4 @@ TEST(World, StepsOnEveryKindOfGroundWithoutAllocation) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "sim_board/engine/common/normal_row.h"
 #include "sim_board/engine/make_world.h"
-#include "sim_board/engine/normal_row.h"
 #include "sim_board/world/ground_truth.h"
 #include "tests/support/sample_robots.h"
 #include "tests/unit/sim_board/engine/engines.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Isometry3d;
@@ -312,4 +312,4 @@ TEST(NormalRow, LetsABouncingPointGoThatLeaves) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -10,7 +10,7 @@
 
 #include "sim_board/random/random_stream.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -166,4 +166,4 @@ TEST(BoxLcp, RejectsAMatrixThatIsNotPositiveDefinite) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

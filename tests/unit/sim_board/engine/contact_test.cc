@@ -8,7 +8,7 @@
 #include "tests/support/sample_robots.h"
 #include "tests/unit/sim_board/engine/engines.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Vector3d;
@@ -165,4 +165,4 @@ TEST_P(ContactInEachEngine, IgnoresLinksWithinTwoJointsAndFindsFartherOnes) {
 INSTANTIATE_TEST_SUITE_P(Engines, ContactInEachEngine, testing::ValuesIn(engines()), engine_name);
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -8,7 +8,7 @@
 #include "sim_board/engine/make_world.h"
 #include "tests/support/sample_robots.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // A world in which something goes wrong: the robot is thrown up by a force of which the guard hears nothing.
@@ -94,4 +94,4 @@ TEST(EnergyGuard, AllowsSoftGroundToReturnItsElasticEnergy) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

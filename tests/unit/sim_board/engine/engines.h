@@ -10,7 +10,7 @@
 #include "sim_board/engine/make_world.h"
 #include "sim_board/world/options.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 inline constexpr double kGravity = 9.80665;
 inline constexpr double kPi = std::numbers::pi;
@@ -41,4 +41,4 @@ inline std::string engine_name(const testing::TestParamInfo<Stepper>& info) {
   return std::string(name_of(info.param));
 }
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim_board/engine/friction.h"
+#include "sim_board/engine/common/friction.h"
 #include "sim_board/engine/make_world.h"
 #include "tests/support/sample_robots.h"
 #include "tests/unit/sim_board/engine/engines.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Vector2d;
@@ -241,4 +241,4 @@ INSTANTIATE_TEST_SUITE_P(Steppers, FrictionOfGrooves,
                          testing::ValuesIn(cases({Stepper::kWorld, Stepper::kLumped})), name_of_case);
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -11,7 +11,7 @@
 #include "sim_board/engine/tree/tree_solver.h"
 #include "sim_board/random/random_stream.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 Vector6 random_vector(RandomStream& random) {
@@ -230,4 +230,4 @@ TEST_F(SlidingPoint, HasOneRowOfFrictionAlongGrooves) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -7,7 +7,7 @@
 #include "tests/support/sample_robots.h"
 #include "tests/unit/sim_board/engine/engines.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Vector3d;
@@ -161,4 +161,4 @@ TEST(Joint, TransmitsTheWeightOfAStaticArm) {
 INSTANTIATE_TEST_SUITE_P(Engines, JointInEachEngine, testing::ValuesIn(engines()), engine_name);
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -11,7 +11,7 @@
 
 #include "tests/support/seed.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Slips = std::function<std::vector<double>(std::span<const double> lifts)>;
@@ -88,4 +88,4 @@ TEST(LiftIteration, EndsBelowAnUnreachableLift) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

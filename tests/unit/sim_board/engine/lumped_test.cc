@@ -13,7 +13,7 @@
 #include "tests/support/sample_robots.h"
 #include "tests/unit/sim_board/engine/engines.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Vector3d;
@@ -338,4 +338,4 @@ TEST(Lumped, MovesAFreeTreeAsOdeDoes) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

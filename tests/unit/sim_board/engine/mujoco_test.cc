@@ -11,7 +11,7 @@
 #include "sim_board/world/link_tree.h"
 #include "tests/support/sample_robots.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using testing::HasSubstr;
@@ -103,4 +103,4 @@ TEST(Mujoco, ReleasesTheBaseAtItsPresentPose) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -7,7 +7,7 @@
 #include "tests/support/sample_robots.h"
 #include "tests/unit/sim_board/engine/engines.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 class SavedWorld : public EachEngine {
@@ -123,4 +123,4 @@ INSTANTIATE_TEST_SUITE_P(, SavedWorld, testing::Values(Stepper::kWorld, Stepper:
                          engine_name);
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -11,7 +11,7 @@
 #include "tests/support/sample_robots.h"
 #include "tests/unit/sim_board/engine/engines.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // A humanoid whose legs do squats of a second each, `depth_rad` deep at the hip; voltage servos with a
@@ -200,4 +200,4 @@ TEST(SeveralWorlds, MayMoveFromThreadToThread) {
 INSTANTIATE_TEST_SUITE_P(Engines, StandingInEachEngine, testing::ValuesIn(engines()), engine_name);
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

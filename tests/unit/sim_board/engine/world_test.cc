@@ -10,7 +10,7 @@
 #include "tests/support/sample_robots.h"
 #include "tests/unit/sim_board/engine/engines.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Vector3d;
@@ -151,4 +151,4 @@ TEST_P(WorldInEachEngine, RejectsInvalidOptions) {
 INSTANTIATE_TEST_SUITE_P(Engines, WorldInEachEngine, testing::ValuesIn(engines()), engine_name);
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr double kForceResolution = 1e-3;
@@ -138,4 +138,4 @@ TEST(AnkleSensor, AppliesCrosstalkToSamplesButNotToTheTrueWrench) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

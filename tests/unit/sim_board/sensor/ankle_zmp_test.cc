@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Vector2d;
@@ -81,4 +81,4 @@ TEST(AnkleZmp, IsTheOriginOfTheSoleWithoutLoad) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 TEST(Saturation, PassesValuesInRangeAndLimitsOthers) {
@@ -40,4 +40,4 @@ TEST(Quantiser, SaturatesAtBothEnds) {
 TEST(Quantiser, RejectsANonPositiveResolution) { EXPECT_THROW(Quantiser(0.0), std::invalid_argument); }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -9,7 +9,7 @@
 
 #include "sim_board/sensor/channel.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr double kPeriod_s = 0.01;
@@ -200,4 +200,4 @@ TEST(Drift, IsZeroWithZeroCoefficients) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

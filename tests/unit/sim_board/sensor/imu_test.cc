@@ -8,7 +8,7 @@
 
 #include "sim_board/world/gravity.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr double kGyroResolution = 1e-3;
@@ -168,4 +168,4 @@ TEST(Imu, CarriesTheLowBitsOfTime) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

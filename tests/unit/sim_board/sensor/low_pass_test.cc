@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr double kBandwidth_Hz = 98.0;
@@ -97,4 +97,4 @@ TEST(LowPass, RefusesABandwidthThatIsNotPositive) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

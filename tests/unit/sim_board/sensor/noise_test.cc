@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 TEST(RandomStream, IsReproducibleForEqualSeedAndName) {
@@ -140,4 +140,4 @@ TEST(Bias, DiffersByAxisAndName) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

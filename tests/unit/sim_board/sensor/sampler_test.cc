@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 TEST(Sampler, IsDueAtMultiplesOfItsPeriod) {
@@ -110,4 +110,4 @@ TEST(Delay, KeepsOrderAndDropsTheOldestWhenFull) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

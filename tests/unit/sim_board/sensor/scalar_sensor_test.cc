@@ -7,7 +7,7 @@
 #include <set>
 #include <stdexcept>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // A supply's voltage behind a divider, in 12 bits.
@@ -118,4 +118,4 @@ TEST(ScalarSensor, RejectsInvalidDescriptions) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

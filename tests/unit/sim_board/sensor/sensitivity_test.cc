@@ -7,7 +7,7 @@
 
 #include "sim_board/sensor/channel.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Matrix3d;
@@ -150,4 +150,4 @@ TEST(AnkleCrosstalk, IsZeroWhenAbsentOrScaledToZero) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

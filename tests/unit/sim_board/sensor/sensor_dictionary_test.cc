@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using testing::SizeIs;
@@ -70,4 +70,4 @@ TEST(AnkleNode, SendsForceAndTorqueAtSync) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

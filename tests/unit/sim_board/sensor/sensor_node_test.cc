@@ -9,7 +9,7 @@
 #include "hal/linux/can_sensors.h"
 #include "tests/unit/sim_board/can/bus_fixture.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using testing::ElementsAre;
@@ -145,4 +145,4 @@ TEST_F(AnkleSensorNode, AnswersSdo) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

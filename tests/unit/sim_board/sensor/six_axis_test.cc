@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Sample = SixAxis::Sample;
@@ -189,4 +189,4 @@ TEST(SixAxis, RejectsChannelsOfDifferentClocks) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

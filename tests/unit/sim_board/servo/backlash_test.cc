@@ -8,7 +8,7 @@
 
 #include "tests/unit/sim_board/servo/servo_bench.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr double kGap_rad = 0.02;
@@ -148,4 +148,4 @@ TEST(Backlash, WithoutAGapChangesNothing) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

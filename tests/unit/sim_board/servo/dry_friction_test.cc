@@ -7,7 +7,7 @@
 
 #include "tests/unit/sim_board/servo/servo_bench.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 ServoDescription mx_106_m6() {
@@ -118,4 +118,4 @@ TEST(DryFriction, CausesAHysteresisThatGrowsWithTheLoad) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -7,7 +7,7 @@
 
 #include "tests/unit/sim_board/servo/servo_bench.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr std::int32_t kFullError = 1 << 18;
@@ -255,4 +255,4 @@ TEST(Encoder, DrawsTheSameNoiseForTheSameSeedAndName) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

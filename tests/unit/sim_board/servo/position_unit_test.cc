@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <initializer_list>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 TEST(Nearest, IsTheRoundingOfTheStandardLibrary) {
@@ -28,4 +28,4 @@ TEST(Nearest, IsTheRoundingOfTheStandardLibrary) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -7,7 +7,7 @@
 #include "sim_board/servo/servo.h"
 #include "tests/support/sample_robots.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 
 // A servo that turns an arm in a weightless world, or lifts a weight. Torques come from outside on the arm.
 class ServoBench {
@@ -77,4 +77,4 @@ class ServoBench {
   int edge_changes_ = 0;
 };
 
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -14,7 +14,7 @@
 #include "sim_board/servo/servo.h"
 #include "tests/support/sample_robots.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr double kLinkInertia = 1e-4;  // kg m^2
@@ -244,4 +244,4 @@ TEST(ServoAgainstReference, StandsStillWithinItsFriction) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

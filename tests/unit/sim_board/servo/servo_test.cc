@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 constexpr double kRadPerCount = 2.0 * std::numbers::pi / 4096;
@@ -124,4 +124,4 @@ TEST(Servo, MeasuresNoSpeedInItsFirstSample) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

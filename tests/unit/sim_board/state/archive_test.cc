@@ -10,7 +10,7 @@
 #include "sim_board/random/random_stream.h"
 #include "sim_board/storage/node_flash.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // One member of every kind.
@@ -124,4 +124,4 @@ TEST(StateArchive, RestoresFlashAndPendingWrites) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

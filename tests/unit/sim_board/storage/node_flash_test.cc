@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using hal::StorageState;
@@ -65,4 +65,4 @@ TEST(NodeFlash, LeavesAnUndefinedRangeAfterAPowerFailure) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -49,4 +49,4 @@ TEST(BoxOverlap, FindsCrossedEdges) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -6,7 +6,7 @@
 #include "sim_board/world/ground_truth.h"
 #include "tests/support/sample_robots.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Isometry3d;
@@ -139,4 +139,4 @@ TEST(PoseBeforeStep, IsThePoseAtTheBeginningOfTheStep) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Isometry3d;
@@ -118,4 +118,4 @@ TEST(GroundCheck, RejectsInvalidGround) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -6,7 +6,7 @@
 
 #include "tests/support/sample_robots.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 TEST(LinkTree, CountsTheJointsBetweenLinks) {
@@ -44,4 +44,4 @@ TEST(LinkTree, BendsAKneeAsTrigonometryPredicts) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

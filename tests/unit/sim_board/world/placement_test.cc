@@ -8,7 +8,7 @@
 
 #include "tests/support/sample_robots.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -63,4 +63,4 @@ TEST(Placement, StandsOnTheBumpsOfAHeightField) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

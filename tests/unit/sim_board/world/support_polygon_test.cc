@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 using Eigen::Vector2d;
@@ -53,4 +53,4 @@ TEST(DistanceInside, IsNeverPositiveForALineAPointOrAnEmptyHull) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

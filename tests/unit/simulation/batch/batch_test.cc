@@ -7,16 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/scenario/operator_pc.h"
-#include "sim_board/scenario/reader.h"
-#include "simulation/scenario/operator_input.h"
+#include "simulation/assembly/operator_input.h"
+#include "simulation/scenario/operator_pc.h"
+#include "simulation/scenario/reader.h"
 
 namespace koboshi::simulation {
 namespace {
 
-sim::Scenario squat() {
-  const std::vector<sim::Override> overrides{{"physics.stepper", "lumped"}};
-  return sim::read_scenario(std::string(KOBOSHI_SOURCE_DIR) + "/scenarios/squat.yaml", overrides);
+Scenario squat() {
+  const std::vector<Override> overrides{{"physics.stepper", "lumped"}};
+  return read_scenario(std::string(KOBOSHI_SOURCE_DIR) + "/scenarios/squat.yaml", overrides);
 }
 
 std::string hash_of(const WatchedSimulation& world) { return world.recorder().summary().state_hash; }
@@ -27,7 +27,7 @@ TEST(Batch, GivesEachWorldTheBitsThatItHasAlone) {
   Batch batch(squat(), kSeeds, 2);
   for (int i = 0; i < 3; ++i) batch.step(100);
   for (std::size_t world = 0; world < kSeeds.size(); ++world) {
-    sim::Scenario scenario = squat();
+    Scenario scenario = squat();
     scenario.seed = kSeeds[world];
     WatchedSimulation alone(scenario);
     alone.step(300);
@@ -51,7 +51,7 @@ TEST(Batch, StepsTheOthersWhenOneThrows) {
   Batch batch(squat(), kSeeds, 2);
   batch.step(2500);
   write(batch.at(1).simulation(), "mounting_roll_deg", 1.0);  // refused while the drives have torque
-  EXPECT_THROW(batch.step(100), sim::SdoFailed);
+  EXPECT_THROW(batch.step(100), SdoFailed);
   EXPECT_LT(batch.at(1).now_us(), 2'600'000u);
   EXPECT_EQ(batch.at(0).now_us(), 2'600'000u);
   EXPECT_EQ(batch.at(2).now_us(), 2'600'000u);

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sim_board/engine/make_world.h"
-#include "sim_board/scenario/reader.h"
 #include "simulation/observe/watched_simulation.h"
+#include "simulation/scenario/reader.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -24,9 +24,9 @@ class MemoryOfAWorld : public testing::TestWithParam<const char*> {
 
   // Returns the heap that each of several worlds on the same files uses after it has stepped.
   static std::size_t bytes() {
-    const std::vector<sim::Override> overrides{{"physics.stepper", GetParam()}};
+    const std::vector<Override> overrides{{"physics.stepper", GetParam()}};
     const auto prepared = std::make_shared<const PreparedScenario>(
-        prepare(sim::read_scenario(std::string(KOBOSHI_SOURCE_DIR) + "/scenarios/walk.yaml", overrides)));
+        prepare(read_scenario(std::string(KOBOSHI_SOURCE_DIR) + "/scenarios/walk.yaml", overrides)));
     std::vector<std::unique_ptr<WatchedSimulation>> worlds;
     const auto add = [&] {
       worlds.push_back(std::make_unique<WatchedSimulation>(prepared, worlds.size() + 1));
@@ -41,7 +41,7 @@ class MemoryOfAWorld : public testing::TestWithParam<const char*> {
 
 // MuJoCo reserves 2.1 MB at once. ODE's memory of a step grows with the contacts, in a fall to 0.9 MB.
 TEST_P(MemoryOfAWorld, IsBounded) {
-  if (std::string(GetParam()) == "mujoco" && !sim::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
+  if (std::string(GetParam()) == "mujoco" && !sim_board::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
   const std::size_t world_bytes = bytes();
   RecordProperty("bytes", std::to_string(world_bytes));
   EXPECT_LE(world_bytes, 3'000'000u);

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text/error.h"
 #include "firmware/fixed/host/convert.h"
 #include "firmware/robot/kinematics.h"
-#include "sim_board/input/error.h"
-#include "sim_board/robot/load.h"
+#include "sim_board/description/load.h"
 #include "simulation/gait/walking_pose.h"
-#include "simulation/motion/compile.h"
-#include "simulation/motion/parse.h"
-#include "tests/unit/sim_board/input/scratch_file.h"
+#include "simulation/motion_language/compile/compile.h"
+#include "simulation/motion_language/parse/parse.h"
+#include "tests/unit/base/scratch_file.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -30,7 +30,8 @@ class GaitMotionTest : public testing::Test {
     return X_BLinks;
   }
 
-  const sim::RobotDescription robot_ = sim::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
+  const sim_board::RobotDescription robot_ =
+      sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
   const NamedModel model_ = load_named_model(robot_);
   Gait gait_ = read_gait(KOBOSHI_SOURCE_DIR "/robots/koboshi/gait.yaml");
 };
@@ -90,18 +91,18 @@ TEST_F(GaitMotionTest, DividesTheCycleIntoTheRequestedPoints) {
 
 TEST_F(GaitMotionTest, WritesTheMotionFile) {
   const MotionSource motion = make_gait_motion(gait_, robot_, model_);
-  const sim::ScratchFile file("walk.yaml", gait_motion_text(motion, model_));
+  const ScratchFile file("walk.yaml", gait_motion_text(motion, model_));
   EXPECT_EQ(compile_motion(file.path(), model_), compile_motion(motion, model_));
 }
 
 TEST_F(GaitMotionTest, RejectsTargetsOutOfReach) {
   gait_.com_height_m = 0.26;
-  EXPECT_THROW(static_cast<void>(make_gait_motion(gait_, robot_, model_)), sim::InputError);
+  EXPECT_THROW(static_cast<void>(make_gait_motion(gait_, robot_, model_)), InputError);
 }
 
 TEST_F(GaitMotionTest, RejectsAJointThatTheRobotLacks) {
   gait_.upper_body.push_back({"tail", 7, 0.1});
-  EXPECT_THROW(static_cast<void>(make_gait_motion(gait_, robot_, model_)), sim::InputError);
+  EXPECT_THROW(static_cast<void>(make_gait_motion(gait_, robot_, model_)), InputError);
 }
 
 }  // namespace

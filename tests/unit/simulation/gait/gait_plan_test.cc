@@ -39,7 +39,7 @@ TEST_F(GaitPlanTest, StartsAtRestInTheMiddleAboveTheZmp) {
 
 TEST_F(GaitPlanTest, FollowsThePendulumEquationThroughout) {
   const double h = 1e-4;
-  const double rate = sim::kGravity_m_per_s2 / gait_.com_height_m;
+  const double rate = sim_board::kGravity_m_per_s2 / gait_.com_height_m;
   for (double t = h; t < end_s(); t += 0.0037) {
     const GaitInstant now = plan_.at(t);
     const Vector2d acceleration =

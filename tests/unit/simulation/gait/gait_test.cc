@@ -4,28 +4,28 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
+#include "base/text/error.h"
+#include "base/text/text.h"
 #include "simulation/gait/gait_keys.h"
-#include "tests/unit/sim_board/input/scratch_file.h"
+#include "tests/unit/base/scratch_file.h"
 
 namespace koboshi::simulation {
 namespace {
 
 using testing::HasSubstr;
 
-Gait read(const std::string& text, std::span<const sim::Override> overrides = {}) {
-  return read_gait(sim::ScratchFile("gait.yaml", text).path(), overrides);
+Gait read(const std::string& text, std::span<const Override> overrides = {}) {
+  return read_gait(ScratchFile("gait.yaml", text).path(), overrides);
 }
 
 constexpr const char* kGood =
     "version: 1\nrobot: koboshi\nperiod_s: 0.6\nstep_length_m: 0.04\nstep_width_m: 0.064\n"
     "step_height_m: 0.015\ncom_height_m: 0.175\ndouble_support: 0.2\n";
 
-std::string refusal(const std::string& text, std::span<const sim::Override> overrides = {}) {
+std::string refusal(const std::string& text, std::span<const Override> overrides = {}) {
   try {
     read(text, overrides);
-  } catch (const sim::InputError& error) {
+  } catch (const InputError& error) {
     return error.what();
   }
   return "accepted";
@@ -40,7 +40,7 @@ TEST(Gait, ReadsTheFileAndFillsInDefaults) {
 }
 
 TEST(Gait, AppliesOverrides) {
-  const sim::Override points[] = {{"points", "16"}, {"feedback.knee_s", "0.01"}};
+  const Override points[] = {{"points", "16"}, {"feedback.knee_s", "0.01"}};
   const Gait gait = read(kGood, points);
   EXPECT_EQ(gait.points, 16);
   EXPECT_DOUBLE_EQ(gait.feedback.knee_s, 0.01);
@@ -62,8 +62,7 @@ TEST(Gait, RejectsOldKeysWithTheirNewName) {
 
 // The page repeats the table of the reader.
 TEST(Gait, HasTheUnitsRangesAndMeaningsOfItsPage) {
-  const std::string page =
-      sim::read_text_file(KOBOSHI_SOURCE_DIR "/docs/reference/gait-format.md", "the page");
+  const std::string page = read_text_file(KOBOSHI_SOURCE_DIR "/docs/reference/gait-format.md", "the page");
   for (const GaitKey& key : gait_keys()) {
     const std::string unit(key.unit == "deg" ? "degrees" : key.unit);
     const std::string row =

@@ -18,7 +18,7 @@ constexpr double kHeight_m = 0.18;
 // Integrates x'' = (x - p) / T_c^2 by the classical Runge-Kutta method.
 PendulumState integrate(PendulumState state, const ZmpPiece& zmp, double time_s, int steps) {
   const double h = time_s / steps;
-  const double rate = sim::kGravity_m_per_s2 / kHeight_m;
+  const double rate = sim_board::kGravity_m_per_s2 / kHeight_m;
   const auto pull = [&](const Vector2d& x, double t) -> Vector2d { return rate * (x - zmp.at(t)); };
   for (int i = 0; i < steps; ++i) {
     const double t = i * h;
@@ -39,7 +39,7 @@ TEST(Pendulum, HasThePapersTimeConstant) {
 }
 
 TEST(Pendulum, HasTheGravityOfTheFirmware) {
-  EXPECT_EQ(fixed::kInverseGravity, fixed::from_double<fixed::Ratio>(1.0 / sim::kGravity_m_per_s2));
+  EXPECT_EQ(fixed::kInverseGravity, fixed::from_double<fixed::Ratio>(1.0 / sim_board::kGravity_m_per_s2));
 }
 
 TEST(Pendulum, FollowsEquation3ForAConstantZmp) {

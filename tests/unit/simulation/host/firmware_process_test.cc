@@ -7,8 +7,8 @@
 #include <iterator>
 
 #include "firmware/canopen/frame.h"
-#include "sim_board/scenario/reader.h"
-#include "simulation/scenario/prepared_scenario.h"
+#include "simulation/assembly/prepared_scenario.h"
+#include "simulation/scenario/reader.h"
 #include "tests/unit/sim_board/can/transport/outside.h"
 
 namespace koboshi::simulation {
@@ -24,11 +24,11 @@ class FirmwareProcessTest : public testing::Test {
   }
   static std::span<const std::byte> storage() {
     static const PreparedScenario prepared =
-        prepare(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"));
+        prepare(read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"));
     return prepared.storage_contents;
   }
 
-  sim::test::Outside outside_;
+  sim_board::test::Outside outside_;
   FirmwareProcess firmware_{storage(), outside_};
   std::uint64_t now_us_ = 0;
 };

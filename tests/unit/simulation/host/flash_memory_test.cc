@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
+#include "base/text/error.h"
 #include "firmware/storage/item_store.h"
 #include "hal/flash/flash_model.h"
-#include "sim_board/input/error.h"
-#include "simulation/scenario/storage_contents.h"
+#include "simulation/assembly/storage_contents.h"
 #include "tests/support/temporary_folder.h"
 
 namespace koboshi::simulation {
@@ -31,7 +31,7 @@ class FlashFile : public testing::Test {
     try {
       const FlashMemory flash(contents, file);
       FAIL() << found;
-    } catch (const sim::InputError& error) {
+    } catch (const InputError& error) {
       EXPECT_THAT(error.what(), testing::HasSubstr(found));
     }
   }
@@ -85,9 +85,9 @@ TEST_F(FlashFile, KeepsStoredItemsAndReplacesTheFactoryContents) {
 
 TEST_F(FlashFile, RejectsAnyOtherFile) {
   koboshi::test::write_file(file, "something else");
-  EXPECT_THROW(FlashMemory(contents, file), sim::InputError);
+  EXPECT_THROW(FlashMemory(contents, file), InputError);
   EXPECT_EQ(std::filesystem::file_size(file), 14u);  // unchanged
-  EXPECT_THROW(FlashMemory(contents, folder.path), sim::InputError);
+  EXPECT_THROW(FlashMemory(contents, folder.path), InputError);
 }
 
 // Of the right size, but nothing that a run has written.
@@ -133,7 +133,7 @@ TEST_F(FlashFile, RejectsTheSlotsOfAnEarlierVersion) {
   try {
     const FlashMemory flash(contents, file);
     FAIL();
-  } catch (const sim::InputError& error) {
+  } catch (const InputError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("slots of 6 KiB"));
   }
   FlashMemory other(contents, folder.path / "other.flash");

@@ -8,8 +8,8 @@
 #include <fstream>
 #include <string>
 
-#include "sim_board/scenario/reader.h"
-#include "simulation/scenario/simulation.h"
+#include "simulation/assembly/simulation.h"
+#include "simulation/scenario/reader.h"
 #include "tests/support/temporary_folder.h"
 
 namespace koboshi::simulation {
@@ -40,10 +40,9 @@ class EchoingQemu {
 
 TEST(QemuHost, RejectsASnapshotWithOneLine) {
   const EchoingQemu qemu;
-  Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"),
-                        in_qemu(qemu.image()));
+  Simulation simulation(read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"), in_qemu(qemu.image()));
   EXPECT_THAT([&] { static_cast<void>(simulation.snapshot()); },
-              ThrowsMessage<sim::NotSaveable>(
+              ThrowsMessage<sim_board::NotSaveable>(
                   StrEq("firmware inside QEMU has no snapshots: use --controller in-process")));
 }
 

@@ -6,18 +6,18 @@
 #include <functional>
 #include <numbers>
 
+#include "base/text/error.h"
 #include "firmware/fixed/host/convert.h"
 #include "firmware/robot/kinematics.h"
 #include "firmware/robot/leg.h"
-#include "sim_board/input/error.h"
-#include "sim_board/robot/load.h"
+#include "sim_board/description/load.h"
 
 namespace koboshi::simulation {
 namespace {
 
 using fixed::to_double;
 using robot::JointRole;
-using sim::RobotDescription;
+using sim_board::RobotDescription;
 using testing::HasSubstr;
 
 constexpr double kRadPerDegree = std::numbers::pi / 180.0;
@@ -29,7 +29,8 @@ Eigen::Vector3d to_vector(const robot::Position& p) {
 class RobotModelImageTest : public testing::Test {
  protected:
   static const RobotDescription& koboshi() {
-    static const RobotDescription robot = sim::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
+    static const RobotDescription robot =
+        sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
     return robot;
   }
 
@@ -38,7 +39,7 @@ class RobotModelImageTest : public testing::Test {
     change(robot);
     try {
       static_cast<void>(make_robot_model(robot));
-    } catch (const sim::InputError& error) {
+    } catch (const InputError& error) {
       return error.what();
     }
     return "accepted";
@@ -50,7 +51,7 @@ class RobotModelImageTest : public testing::Test {
 };
 
 TEST_F(RobotModelImageTest, IsReproducibleToTheByte) {
-  EXPECT_EQ(make_robot_model(koboshi()), make_robot_model(sim::load_robot(koboshi().file)));
+  EXPECT_EQ(make_robot_model(koboshi()), make_robot_model(sim_board::load_robot(koboshi().file)));
 }
 
 TEST_F(RobotModelImageTest, NamesTheLinkAndTheLineOfAMassThatTheFirmwareCannotHold) {
@@ -88,7 +89,7 @@ TEST_F(RobotModelImageTest, DescribesThePapersRobot) {
 TEST_F(RobotModelImageTest, GivesEachJointItsDrive) {
   const robot::RobotModel model = load_named_model(koboshi()).model;
   for (std::size_t i = 0; i < model.joint_count; ++i) {
-    const sim::JointDescription& joint = koboshi().joints[i];
+    const sim_board::JointDescription& joint = koboshi().joints[i];
     EXPECT_EQ(model.joints[i].drive.node_id, joint.drive.node_id);
     EXPECT_EQ(model.joints[i].drive.serial_number, joint.drive.serial_number);
     EXPECT_EQ(model.joints[i].drive.vendor_id, joint.drive.vendor_id);
@@ -109,7 +110,7 @@ TEST_F(RobotModelImageTest, MatchesJointsAndCentreOfMassOfTheDescription) {
     EXPECT_LT((to_vector(X_BLinks[i].p) - X_BM * koboshi().joints[i].p_MJ).norm(), 1e-6);
   }
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-  for (const sim::LinkDescription& link : koboshi().links)
+  for (const sim_board::LinkDescription& link : koboshi().links)
     moment += link.mass_kg * (link.X_ML * link.p_LCom_L);
   const Eigen::Vector3d p_BCom = X_BM * Eigen::Vector3d(moment / koboshi().total_mass_kg());
   EXPECT_LT((to_vector(centre_of_mass(model, X_BLinks)) - p_BCom).norm(), 2e-6);
@@ -147,7 +148,7 @@ TEST_F(RobotModelImageTest, PairsLeftAndRight) {
 
 TEST_F(RobotModelImageTest, KeepsTheSignOfALimitOfHalfATurn) {
   RobotDescription robot = koboshi();
-  sim::JointDescription& shoulder = robot.joints[index(robot, "left_shoulder_pitch")];
+  sim_board::JointDescription& shoulder = robot.joints[index(robot, "left_shoulder_pitch")];
   shoulder.lower_rad = -3.141593;
   shoulder.upper_rad = 3.141593;
   const robot::RobotModel model = load_named_model(robot).model;

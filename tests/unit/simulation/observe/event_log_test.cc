@@ -29,8 +29,8 @@ NamedModel model_of_knees() {
   return named;
 }
 
-sim::Scenario scenario_of_two_motions() {
-  sim::Scenario scenario;
+Scenario scenario_of_two_motions() {
+  Scenario scenario;
   scenario.motions = {{.file = "motions/squat.yaml"}, {.file = "motions/fall_front.yaml"}};
   return scenario;
 }
@@ -66,11 +66,11 @@ class EventLogTest : public testing::Test {
   }
   std::vector<std::string> texts(bool dead = false) const {
     std::vector<std::string> texts;
-    for (const sim::RunEvent& event : log_.events(dead)) texts.push_back(event.text);
+    for (const RunEvent& event : log_.events(dead)) texts.push_back(event.text);
     return texts;
   }
-  sim::RunEvent event_of(const std::string& kind) const {
-    for (const sim::RunEvent& event : log_.events())
+  RunEvent event_of(const std::string& kind) const {
+    for (const RunEvent& event : log_.events())
       if (event.kind == kind) return event;
     ADD_FAILURE() << "no event of the kind " << kind;
     return {};
@@ -89,8 +89,8 @@ class EventLogTest : public testing::Test {
   }
 
   const NamedModel model_ = model_of_knees();
-  sim::Scenario scenario_ = scenario_of_two_motions();
-  std::vector<sim::Push> pushes_;
+  Scenario scenario_ = scenario_of_two_motions();
+  std::vector<Push> pushes_;
   static constexpr walk::VelocityLimits kLimits{
       .forward_mm_per_s = 300, .backward_mm_per_s = 250, .lateral_mm_per_s = 100, .turn_mrad_per_s = 1000};
   EventLog log_{scenario_, model_, kLimits};
@@ -110,7 +110,7 @@ TEST_F(EventLogTest, ReportsAcceptedAndRefusedCommands) {
   EXPECT_THAT(texts(), ElementsAre("Command play squat: obeyed.", "Plays the motion squat.",
                                    "Command enable: refused, not in this state (motion).",
                                    "End: plays squat; did not fall; 1 command refused; 0 faults."));
-  const sim::RunEvent refused = log_.events().at(2);
+  const RunEvent refused = log_.events().at(2);
   EXPECT_EQ(refused.time_us, 1'100'000u);
   EXPECT_EQ(refused.kind, "command");
   EXPECT_EQ(refused.fields, (nlohmann::ordered_json{{"command", "enable"},
@@ -294,14 +294,14 @@ TEST_F(EventLogTest, ReportsALowSupply) {
 TEST_F(EventLogTest, ReportsPushesFaultsAndTheStand) {
   scenario_.initial.fixed_base = true;
   scenario_.initial.release_us = 500'000;
-  sim::Fault fault;
+  Fault fault;
   fault.at_us = 1'000'000;
   fault.duration_us = 30'000;
-  fault.kind = sim::Fault::Kind::kDriveSilent;
+  fault.kind = Fault::Kind::kDriveSilent;
   fault.target.text = "left_knee";
   scenario_.faults = {fault};
   EventLog log(scenario_, model_, kLimits);
-  sim::Push push;
+  Push push;
   push.at_us = 700'000;
   push.duration_us = 100'000;
   push.link.text = "trunk";
@@ -309,7 +309,7 @@ TEST_F(EventLogTest, ReportsPushesFaultsAndTheStand) {
   truth_.rpy_rad.z() = std::numbers::pi / 2.0;  // the robot faces left, so the push comes from the front
   for (std::uint64_t now_us = 0; now_us <= 2'000'000; now_us += 10'000)
     log.observe_tick(now_us, said_, truth_, {&push, 1});
-  const std::vector<sim::RunEvent> events = log.events();
+  const std::vector<RunEvent> events = log.events();
   EXPECT_EQ(events_text(events),
             "    0.500 s  The stand releases the robot.\n"
             "    0.700 s  The trunk is pushed backward with 1.20 N s in 0.10 s.\n"
@@ -329,7 +329,7 @@ TEST_F(EventLogTest, ReportsThatTheRobotHangs) {
 TEST_F(EventLogTest, CountsExcessEventsOfACause) {
   for (std::size_t i = 0; i < EventStore::kMaxOfCause + 9; ++i)
     log_.add(i, "note", "Again, number " + std::to_string(i) + ".");
-  const std::vector<sim::RunEvent> events = log_.events();
+  const std::vector<RunEvent> events = log_.events();
   EXPECT_EQ(events.size(), EventStore::kMaxOfCause + 3);
   EXPECT_EQ(events[events.size() - 3].text, "8 more events like the next, not listed.");
   EXPECT_EQ(events[events.size() - 2].text, "Again, number 108.");
@@ -359,7 +359,7 @@ TEST_F(EventLogTest, ShowsEachCauseOfManyKindsOfEvents) {
   for (std::size_t i = 0; i < 50'000; ++i)
     log_.add(i, "note", "Cause " + std::string(1 + i % 3'000, 'x') + ".");
   log_.add(60'000, "fault", "A real fault.");
-  const std::vector<sim::RunEvent> events = log_.events();
+  const std::vector<RunEvent> events = log_.events();
   EXPECT_LT(events.size(), EventStore::kMaxEvents + 4 * EventStore::kMaxCauses);
   EXPECT_EQ(events[events.size() - 2].text, "A real fault.");
 }

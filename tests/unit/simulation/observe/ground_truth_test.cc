@@ -5,15 +5,15 @@
 #include <numbers>
 #include <vector>
 
-#include "sim_board/robot/load.h"
+#include "sim_board/description/load.h"
 
 namespace koboshi::simulation {
 namespace {
 
 // A world whose state the test sets.
-class StagedWorld final : public sim::World {
+class StagedWorld final : public sim_board::World {
  public:
-  explicit StagedWorld(const sim::RobotDescription& robot) : tree_(robot), robot_(robot) {
+  explicit StagedWorld(const sim_board::RobotDescription& robot) : tree_(robot), robot_(robot) {
     pose(Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 0.17)));
   }
 
@@ -25,29 +25,32 @@ class StagedWorld final : public sim::World {
   }
   void unload() { contacts_.clear(); }
 
-  void set_servo(int, const sim::ServoTorque&) override {}
+  void set_servo(int, const sim_board::ServoTorque&) override {}
   void push(int, const Eigen::Vector3d&, const Eigen::Vector3d&) override {}
   void release_base() override {}
   void step() override {}
   double step_s() const override { return 0.001; }
   double time_s() const override { return 0.0; }
-  sim::JointState joint(int) const override { return {}; }
-  sim::BodyState body(int link) const override { return {.X_WL = X_WLs_[static_cast<std::size_t>(link)]}; }
-  sim::Wrench joint_wrench(int) const override { return {}; }
-  std::span<const sim::Contact> contacts() const override { return contacts_; }
+  sim_board::JointState joint(int) const override { return {}; }
+  sim_board::BodyState body(int link) const override {
+    return {.X_WL = X_WLs_[static_cast<std::size_t>(link)]};
+  }
+  sim_board::Wrench joint_wrench(int) const override { return {}; }
+  std::span<const sim_board::Contact> contacts() const override { return contacts_; }
   std::uint64_t solver_warnings() const override { return 0; }
-  void archive(sim::StateArchive&) override {}
+  void archive(sim_board::StateArchive&) override {}
 
  private:
-  sim::LinkTree tree_;
-  const sim::RobotDescription& robot_;
+  sim_board::LinkTree tree_;
+  const sim_board::RobotDescription& robot_;
   std::vector<Eigen::Isometry3d> X_WLs_;
-  std::vector<sim::Contact> contacts_;
+  std::vector<sim_board::Contact> contacts_;
 };
 
 class Truth : public testing::Test {
  protected:
-  const sim::RobotDescription robot_ = sim::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
+  const sim_board::RobotDescription robot_ =
+      sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
   const int left_foot_ = robot_.joints[static_cast<std::size_t>(robot_.left_ankle->joint)].child;
   const Telemetry telemetry_;
   StagedWorld world_{robot_};

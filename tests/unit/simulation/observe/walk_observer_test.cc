@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "sim_board/robot/load.h"
+#include "sim_board/description/load.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -37,7 +37,8 @@ class Walk : public testing::Test {
     observer_.observe_tick(truth_, said_);
   }
 
-  const sim::RobotDescription robot_ = sim::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
+  const sim_board::RobotDescription robot_ =
+      sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
   Telemetry said_;
   GroundTruth truth_;
   std::vector<double> planned_for_s_;

@@ -1,6 +1,6 @@
 #include "tools/diff/log_diff.h"
 
-#include "sim_board/input/error.h"
+#include "base/text/error.h"
 #include "tests/unit/tools/diff/run_files.h"
 
 namespace koboshi::tools {
@@ -56,7 +56,7 @@ TEST_F(LogDiff, ReportsThatALogEnds) {
 }
 
 TEST_F(LogDiff, RejectsAFileThatIsNoLog) {
-  EXPECT_THROW(static_cast<void>(compare(log_of(1), "nonsense\n")), sim::InputError);
+  EXPECT_THROW(static_cast<void>(compare(log_of(1), "nonsense\n")), InputError);
 }
 
 }  // namespace

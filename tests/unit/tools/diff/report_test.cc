@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "sim_board/input/error.h"
+#include "base/text/error.h"
 #include "tests/unit/tools/diff/run_files.h"
 
 namespace koboshi::tools {
@@ -49,7 +49,7 @@ TEST_F(Report, ShowsTheBusEvenWhereOnlyTheTraceDiffers) {
 }
 
 TEST_F(Report, RejectsAFolderWithoutARun) {
-  EXPECT_THROW(static_cast<void>(compare_runs(a(), b() / "none")), sim::InputError);
+  EXPECT_THROW(static_cast<void>(compare_runs(a(), b() / "none")), InputError);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "sim_board/input/error.h"
+#include "base/text/error.h"
 #include "tests/unit/tools/diff/run_files.h"
 
 namespace koboshi::tools {
@@ -52,15 +52,15 @@ TEST_F(TraceDiff, ComparesHeaders) {
 }
 
 TEST_F(TraceDiff, RejectsAFileThatIsNoTrace) {
-  EXPECT_THROW(static_cast<void>(compare("", kTrace)), sim::InputError);
+  EXPECT_THROW(static_cast<void>(compare("", kTrace)), InputError);
   try {
     static_cast<void>(compare(kTrace, "time_s,state,knee_rad\n0,1\n"));
     FAIL() << "a short row was taken";
-  } catch (const sim::InputError& error) {
+  } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("trace.csv:2: found 2 cells"));
   }
   std::filesystem::remove(a() / "trace.csv");
-  EXPECT_THROW(static_cast<void>(compare_traces(a() / "trace.csv", b() / "trace.csv")), sim::InputError);
+  EXPECT_THROW(static_cast<void>(compare_traces(a() / "trace.csv", b() / "trace.csv")), InputError);
 }
 
 }  // namespace

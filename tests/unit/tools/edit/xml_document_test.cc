@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim_board/input/error.h"
+#include "base/text/error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace koboshi::tools {
@@ -133,11 +133,11 @@ TEST(XmlDocument, RefusesWhatDoesNotFitAndChangesNothing) {
       [&] { document.replace_text("<!DOCTYPE a [<!ENTITY b \"c\">]><a/>"); },
   };
   for (std::size_t i = 0; i < edits.size(); ++i) {
-    EXPECT_THROW(edits[i](), sim::InputError) << i;
+    EXPECT_THROW(edits[i](), InputError) << i;
     EXPECT_EQ(document.text(), kRobotXml) << i;
   }
-  EXPECT_THROW(xml_document("no xml"), sim::InputError);
-  EXPECT_THROW(XmlDocument("nobody.sdf"), sim::InputError);
+  EXPECT_THROW(xml_document("no xml"), InputError);
+  EXPECT_THROW(XmlDocument("nobody.sdf"), InputError);
 }
 
 // Texts that XML must escape, numbers, and letters beyond ASCII.
@@ -189,7 +189,7 @@ TEST(XmlDocument, MakesRandomEditsOfRobotsOrRefusesThem) {
       const std::string before = document.text();
       try {
         edit_somewhere(document, random);
-      } catch (const sim::InputError&) {
+      } catch (const InputError&) {
         ++refused;
         ASSERT_EQ(document.text(), before) << i;
       }

@@ -10,14 +10,12 @@
 #include <sstream>
 #include <vector>
 
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
+#include "base/text/error.h"
+#include "base/text/text.h"
 #include "tests/support/temporary_folder.h"
 
 namespace koboshi::tools {
 namespace {
-
-using sim::YamlNode;
 
 const std::string kMotion = R"(# A bow.
 version: 1
@@ -155,8 +153,7 @@ TEST(YamlDocument, MakesSeveralEditsAtOnce) {
                              with("wait_s: 0.5", "wait_s: 2",
                                   with("{}", "{neck: 1, head: 2}", with("left_knee: 30, ", "")))));
   const std::string before = bow.text();
-  EXPECT_THROW(bow.edit(std::vector<YamlEdit>{{kSet, "name", "a"}, {kErase, "nothing", {}}}),
-               sim::InputError);
+  EXPECT_THROW(bow.edit(std::vector<YamlEdit>{{kSet, "name", "a"}, {kErase, "nothing", {}}}), InputError);
   EXPECT_EQ(bow.text(), before);
 }
 
@@ -183,12 +180,12 @@ TEST(YamlDocument, CopiesAndInsertsBlocksWithTheirComments) {
   EXPECT_EQ(bow.items_text("steps", 0, 0), "");
   EXPECT_NE(bow.text().find("steps: []\n  # down\n  # and up again\n\njoints"), std::string::npos)
       << bow.text();
-  EXPECT_THROW(bow.insert_items("steps", 1, "- a\n"), sim::InputError);
-  EXPECT_THROW(bow.insert_items("joints", 0, "a: 1\n"), sim::InputError);
-  EXPECT_THROW(bow.insert_items("name", 0, "- a\n"), sim::InputError);
-  EXPECT_THROW(bow.insert_items("none", 0, "- a\n"), sim::InputError);
+  EXPECT_THROW(bow.insert_items("steps", 1, "- a\n"), InputError);
+  EXPECT_THROW(bow.insert_items("joints", 0, "a: 1\n"), InputError);
+  EXPECT_THROW(bow.insert_items("name", 0, "- a\n"), InputError);
+  EXPECT_THROW(bow.insert_items("none", 0, "- a\n"), InputError);
   EXPECT_THROW(bow.erase_items(std::vector<YamlItems>{{"joints", 1, 2}}, YamlDocument::Comments::kKeep),
-               sim::InputError);
+               InputError);
 }
 
 // The tree of an edited text, which may be parsed in part only, is that of the whole text.
@@ -223,14 +220,14 @@ TEST(YamlDocument, ReadsAReplacedTextAsAWhole) {
     text.replace(random() % text.size(), random() % 4, inserted);
     std::optional<YamlNode> whole;
     try {
-      whole = sim::parse_yaml(text, "bow.yaml");
-    } catch (const sim::InputError&) {
+      whole = parse_yaml(text, "bow.yaml");
+    } catch (const InputError&) {
     }
     const std::string before = bow.text();
     try {
       bow.replace_text(text);
       ++accepted;
-    } catch (const sim::InputError&) {
+    } catch (const InputError&) {
       EXPECT_EQ(bow.text(), before);
       continue;
     }
@@ -244,18 +241,18 @@ TEST(YamlDocument, ReadsAReplacedTextAsAWhole) {
 
 TEST(YamlDocument, RefusesAnEditThatDoesNotFitAndKeepsItsText) {
   YamlDocument bow = document();
-  EXPECT_THROW(bow.set("steps.3.time_s", "1"), sim::InputError);  // no such step
-  EXPECT_THROW(bow.set("steps.9", "1"), sim::InputError);         // beyond the end
-  EXPECT_THROW(bow.set("name.first", "1"), sim::InputError);      // not a map
-  EXPECT_THROW(bow.set("steps.0.pose.neck", "1, 2"), sim::InputError);
-  EXPECT_THROW(bow.set("name", "[1"), sim::InputError);
-  EXPECT_THROW(bow.set("name", "1\nother: 2"), sim::InputError);
-  EXPECT_THROW(bow.set("name", "1 # a comment"), sim::InputError);
-  EXPECT_THROW(bow.set("version", "*alias"), sim::InputError);
-  EXPECT_THROW(bow.insert("name", "1"), sim::InputError);  // is there already
-  EXPECT_THROW(bow.erase("steps.0.nothing"), sim::InputError);
-  EXPECT_THROW(bow.rename("steps.0.time_s", "pose"), sim::InputError);  // a second pose
-  EXPECT_THROW(bow.rename("steps.0.time_s", "a: b"), sim::InputError);
+  EXPECT_THROW(bow.set("steps.3.time_s", "1"), InputError);  // no such step
+  EXPECT_THROW(bow.set("steps.9", "1"), InputError);         // beyond the end
+  EXPECT_THROW(bow.set("name.first", "1"), InputError);      // not a map
+  EXPECT_THROW(bow.set("steps.0.pose.neck", "1, 2"), InputError);
+  EXPECT_THROW(bow.set("name", "[1"), InputError);
+  EXPECT_THROW(bow.set("name", "1\nother: 2"), InputError);
+  EXPECT_THROW(bow.set("name", "1 # a comment"), InputError);
+  EXPECT_THROW(bow.set("version", "*alias"), InputError);
+  EXPECT_THROW(bow.insert("name", "1"), InputError);  // is there already
+  EXPECT_THROW(bow.erase("steps.0.nothing"), InputError);
+  EXPECT_THROW(bow.rename("steps.0.time_s", "pose"), InputError);  // a second pose
+  EXPECT_THROW(bow.rename("steps.0.time_s", "a: b"), InputError);
   EXPECT_EQ(bow.text(), kMotion);
 }
 
@@ -265,9 +262,9 @@ TEST(YamlDocument, ReplacesTheFileAsAWhole) {
   test::write_file(file, kMotion);
   YamlDocument bow(file);
   bow.set("version", "2");
-  EXPECT_EQ(sim::read_text_file(file, ""), kMotion);
+  EXPECT_EQ(read_text_file(file, ""), kMotion);
   bow.save();
-  EXPECT_EQ(sim::read_text_file(file, ""), with("version: 1", "version: 2"));
+  EXPECT_EQ(read_text_file(file, ""), with("version: 1", "version: 2"));
 }
 
 // --- Every YAML file of the repository
@@ -334,7 +331,7 @@ TEST(YamlDocumentOfEachFile, ChangesAnyScalarInPlaceAndBack) {
       YamlDocument edited = original;
       edited.set(path, value);
       EXPECT_EQ(at(edited.tree(), path).scalar, value);
-      if (random() % 8 == 0) expect_same_tree(edited.tree(), sim::parse_yaml(edited.text(), file));
+      if (random() % 8 == 0) expect_same_tree(edited.tree(), parse_yaml(edited.text(), file));
       const std::size_t quotes = node.quoted ? 2 : 0;
       EXPECT_GE(common_bytes(original.text(), edited.text()) + node.scalar.size() + quotes,
                 original.text().size());
@@ -358,7 +355,7 @@ TEST(YamlDocumentOfEachFile, InsertsAnywhereAndErasesAgain) {
           with_step(steps, is_map ? "added" : std::to_string(random() % (node.items.size() + 1))));
       YamlDocument edited = original;
       edited.insert(place, "{a: [1, 2]}");
-      if (random() % 8 == 0) expect_same_tree(edited.tree(), sim::parse_yaml(edited.text(), file));
+      if (random() % 8 == 0) expect_same_tree(edited.tree(), parse_yaml(edited.text(), file));
       EXPECT_EQ(at(edited.tree(), place).items.size(), 1u);
       edited.erase(place);
       EXPECT_EQ(edited.text(), original.text());

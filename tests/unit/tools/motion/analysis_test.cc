@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/input/user_units.h"
+#include "base/text/user_units.h"
 #include "tests/unit/tools/motion/koboshi_robot.h"
 #include "tools/motion/check/report.h"
 #include "tools/motion/check/servo_curve.h"
@@ -23,7 +23,7 @@ namespace {
 using testing::HasSubstr;
 
 constexpr Supply kSupply{.nominal_V = 7.6, .lowest_V = 6.0};
-constexpr double kDegree_rad = 1.0 / sim::kDegreesPerRad;
+constexpr double kDegree_rad = 1.0 / kDegreesPerRad;
 
 // Poses by joint names without their sides, in degrees, as in a motion file.
 using PoseDeg = std::map<std::string, double>;
@@ -36,7 +36,7 @@ class AnalysisTest : public testing::Test {
   std::vector<double> row(const PoseDeg& pose) const {
     std::vector<double> result(robot_.joints.size(), 0.0);
     for (const auto& [name, value_deg] : pose) {
-      for (const sim::MirroredJoint& joint : robot_.find_joints(name))
+      for (const sim_board::MirroredJoint& joint : robot_.find_joints(name))
         result[static_cast<std::size_t>(joint.joint)] = joint.sign * value_deg * kDegree_rad;
     }
     return result;
@@ -78,7 +78,7 @@ class AnalysisTest : public testing::Test {
     return nullptr;
   }
 
-  const sim::RobotDescription& robot_ = koboshi_robot();
+  const sim_board::RobotDescription& robot_ = koboshi_robot();
   MotionAnalysis analysis_{robot_, kSupply};
   // Limits of the fall detector as in robots/koboshi/parameters.yaml: 26, 26, 28 and 10 degrees.
   CheckLimits limits_{
@@ -276,7 +276,7 @@ TEST_F(AnalysisTest, GivesTheLoadOfEachServo) {
 }
 
 TEST(ServoCurve, FallsWithTheSpeedAndGrowsInBraking) {
-  const sim::ServoDescription servo;
+  const sim_board::ServoDescription servo;
   const double stall_Nm = servo.torque_constant_Nm_per_A * 6.0 / servo.resistance_ohm;
   EXPECT_NEAR(available_torque_Nm(servo, 0.0, 6.0), stall_Nm, 1e-12);
   EXPECT_NEAR(available_torque_Nm(servo, 6.0 / servo.torque_constant_Nm_per_A, 6.0), 0.0, 1e-12);

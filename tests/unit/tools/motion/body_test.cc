@@ -74,7 +74,7 @@ class BodyTest : public testing::Test {
     place_on_foot(time_s + kStep_s, after);
     Momenta sum;
     for (std::size_t l = 0; l < robot_.links.size(); ++l) {
-      const sim::LinkDescription& link = robot_.links[l];
+      const sim_board::LinkDescription& link = robot_.links[l];
       const auto com = [&](const LinkPlaces& places) -> Vector3d {
         return places.p_BL[l] + places.R_BL[l] * link.p_LCom_L;
       };
@@ -86,7 +86,7 @@ class BodyTest : public testing::Test {
       sum.angular += com(now).cross(link.mass_kg * v) + inertia * w;
       sum.first_moment += link.mass_kg * com(now);
       sum.energy_J += 0.5 * link.mass_kg * v.squaredNorm() + 0.5 * w.dot(inertia * w) +
-                      link.mass_kg * sim::kGravity_m_per_s2 * com(now).z();
+                      link.mass_kg * sim_board::kGravity_m_per_s2 * com(now).z();
     }
     const std::vector<double> rates = speeds(time_s);
     for (std::size_t j = 0; j < rates.size(); ++j)
@@ -94,7 +94,7 @@ class BodyTest : public testing::Test {
     return sum;
   }
 
-  const sim::RobotDescription& robot_ = koboshi_robot();
+  const sim_board::RobotDescription& robot_ = koboshi_robot();
   Body body_{robot_};
 };
 
@@ -167,7 +167,7 @@ TEST_F(BodyTest, ZmpFollowsFromTheMomenta) {
     Stance stance;
     body_.solve(angles(time_s), speeds(time_s), accelerations(time_s), stance);
     const Momenta a = momenta(time_s - kStep_s), b = momenta(time_s), c = momenta(time_s + kStep_s);
-    const Vector3d weight(0.0, 0.0, sim::kGravity_m_per_s2);
+    const Vector3d weight(0.0, 0.0, sim_board::kGravity_m_per_s2);
     const Vector3d force = (c.linear - a.linear) / (2.0 * kStep_s) + body_.mass_kg() * weight;
     const Vector3d moment = (c.angular - a.angular) / (2.0 * kStep_s) + b.first_moment.cross(weight);
     // Relative to the corners of the right sole, in axes of the foot, which are level.

@@ -10,9 +10,9 @@
 
 #include "firmware/fixed/host/convert.h"
 #include "firmware/motion/motion.h"
-#include "simulation/motion/body_targets.h"
+#include "simulation/motion_language/parse/body_targets.h"
 #include "tests/support/seed.h"
-#include "tests/unit/simulation/motion/random_program.h"
+#include "tests/unit/simulation/motion_language/random_program.h"
 #include "tests/unit/tools/motion/koboshi_robot.h"
 #include "tools/motion/check/body.h"
 
@@ -57,8 +57,8 @@ class CartesianPoses : public testing::Test {
     parts.com.setZero();
     for (std::size_t side = 0; side < 2; ++side) {
       const std::string name = side == 0 ? "left_" : "right_";
-      const sim::JointDescription& ankle = joint(name + "ankle_roll");
-      const sim::JointDescription& elbow = joint(name + "elbow");
+      const sim_board::JointDescription& ankle = joint(name + "ankle_roll");
+      const sim_board::JointDescription& elbow = joint(name + "elbow");
       // A sole is parallel to the trunk at zero, below the ankle, at the height of the lowest collision box.
       Isometry3d X_MSole = link(0).X_ML;
       X_MSole.translation() = ankle.p_MJ;
@@ -159,13 +159,15 @@ class CartesianPoses : public testing::Test {
   double uniform(double low, double high) {
     return low + (high - low) * (static_cast<double>(random_() >> 11) * 0x1.0p-53);
   }
-  const sim::JointDescription& joint(const std::string& name) const {
+  const sim_board::JointDescription& joint(const std::string& name) const {
     return robot_.joints[static_cast<std::size_t>(*robot_.find_joint(name))];
   }
-  const sim::LinkDescription& link(int index) const { return robot_.links[static_cast<std::size_t>(index)]; }
+  const sim_board::LinkDescription& link(int index) const {
+    return robot_.links[static_cast<std::size_t>(index)];
+  }
   double lowest_M(int index) const {
     double lowest = std::numeric_limits<double>::infinity();
-    for (const sim::BoxDescription& box : link(index).collisions) {
+    for (const sim_board::BoxDescription& box : link(index).collisions) {
       for (int corner = 0; corner < 8; ++corner) {
         const Vector3d sign(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
         lowest = std::min(lowest, (link(index).X_ML * (box.X_LG * sign.cwiseProduct(box.size_m))).z());
@@ -174,7 +176,7 @@ class CartesianPoses : public testing::Test {
     return lowest;
   }
 
-  const sim::RobotDescription& robot_ = koboshi_robot();
+  const sim_board::RobotDescription& robot_ = koboshi_robot();
   const Body body_{robot_};
   std::mt19937_64 random_{test::kSeed};
 };

@@ -11,9 +11,10 @@
 #include <random>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <thread>
 
-#include "sim_board/robot/load.h"
+#include "sim_board/description/load.h"
 #include "tests/support/seed.h"
 #include "tests/support/temporary_folder.h"
 
@@ -56,15 +57,15 @@ class MotionCheckerTest : public testing::Test {
       if (diagnostic.code != "C017") result.push_back(diagnostic.code);
     return result;
   }
-  static const simulation::Diagnostic& find(const MotionReport& report, const std::string& code) {
+  static const simulation::Diagnostic& find(const MotionReport& report, std::string_view code) {
     for (const simulation::Diagnostic& diagnostic : report.diagnostics)
       if (diagnostic.code == code) return diagnostic;
-    throw std::runtime_error("no " + code);
+    throw std::runtime_error("no " + std::string(code));
   }
 
   static double head_tilt_limit_deg() {
-    const sim::RobotDescription robot = sim::load_robot(kRobot);
-    const auto joint = std::ranges::find(robot.joints, "head_tilt", &sim::JointDescription::name);
+    const sim_board::RobotDescription robot = sim_board::load_robot(kRobot);
+    const auto joint = std::ranges::find(robot.joints, "head_tilt", &sim_board::JointDescription::name);
     return joint->upper_rad * 180.0 / std::numbers::pi;
   }
 

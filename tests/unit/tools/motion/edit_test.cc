@@ -6,13 +6,13 @@
 #include <random>
 #include <vector>
 
+#include "base/text/error.h"
+#include "base/text/text.h"
 #include "firmware/motion/motion.h"
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
-#include "simulation/motion/compile.h"
-#include "simulation/motion/decompile.h"
-#include "simulation/motion/joints.h"
-#include "tests/unit/simulation/motion/random_program.h"
+#include "simulation/motion_language/compile/compile.h"
+#include "simulation/motion_language/compile/decompile.h"
+#include "simulation/motion_language/parse/joints.h"
+#include "tests/unit/simulation/motion_language/random_program.h"
 #include "tools/motion/edit/format.h"
 #include "tools/motion/edit/mirror.h"
 
@@ -30,7 +30,7 @@ std::vector<std::filesystem::path> shipped_motions() {
   return files;
 }
 
-std::string text_of(const std::filesystem::path& file) { return sim::read_text_file(file, "a motion"); }
+std::string text_of(const std::filesystem::path& file) { return read_text_file(file, "a motion"); }
 
 std::string mirrored(const std::string& text) {
   return mirror_motion("a.yaml", text, JointNames(koboshi_model()), {});
@@ -151,7 +151,7 @@ TEST(MotionFormat, RefusesOtherFiles) {
   const auto refusal = [](const std::string& text) -> std::string {
     try {
       static_cast<void>(format_motion("a.yaml", text));
-    } catch (const sim::InputError& error) {
+    } catch (const InputError& error) {
       return error.what();
     }
     return "accepted";
@@ -190,11 +190,11 @@ TEST(MotionEdit, KeepsMutatedMotionsOrRefusesThem) {
       EXPECT_EQ(simulation::compile_text(formatted).motion.image, before.motion.image) << text << formatted;
       EXPECT_EQ(format_motion("a.yaml", formatted), formatted) << text;
       ++kept;
-    } catch (const sim::InputError&) {
+    } catch (const InputError&) {
     }
     try {
       static_cast<void>(mirrored(text));
-    } catch (const sim::InputError&) {
+    } catch (const InputError&) {
     }
   }
   EXPECT_GT(kept, 0);

@@ -6,9 +6,9 @@
 #include <optional>
 #include <stdexcept>
 
+#include "tests/unit/base/scratch_file.h"
 #include "tests/unit/sim_board/can/bus_fixture.h"
 #include "tests/unit/sim_board/can/transport/outside.h"
-#include "tests/unit/sim_board/input/scratch_file.h"
 
 namespace koboshi::tools {
 namespace {
@@ -35,11 +35,11 @@ class LiveLinkTest : public testing::Test {
     return false;
   }
 
-  sim::test::ListeningNode inside_;
-  sim::test::ListeningNode another_;  // acknowledges
-  sim::Bus bus_;
-  sim::NodeHandle handle_ = bus_.attach(inside_, sim::AcceptanceFilter::all(), 4);
-  sim::NodeHandle other_handle_ = bus_.attach(another_, sim::AcceptanceFilter::all(), 4);
+  sim_board::test::ListeningNode inside_;
+  sim_board::test::ListeningNode another_;  // acknowledges
+  sim_board::Bus bus_;
+  sim_board::NodeHandle handle_ = bus_.attach(inside_, sim_board::AcceptanceFilter::all(), 4);
+  sim_board::NodeHandle other_handle_ = bus_.attach(another_, sim_board::AcceptanceFilter::all(), 4);
 };
 
 TEST_F(LiveLinkTest, IsOffByDefault) {
@@ -61,7 +61,7 @@ TEST_F(LiveLinkTest, IsInterruptedWhileItWaits) {
 }
 
 TEST_F(LiveLinkTest, CountsTransmittedFrames) {
-  const sim::ScratchFile log("log", "");
+  const ScratchFile log("log", "");
   LiveLink link({.can = "log:" + log.path().string()});
   play(link, 10'000);
   EXPECT_FALSE(link.is_live());
@@ -104,7 +104,7 @@ TEST_F(LiveLinkTest, EndsOnASignalWithoutTheClock) {
 class OverloadedLink : public LiveLinkTest {
  protected:
   OverloadedLink() {
-    auto outside = std::make_unique<sim::test::Outside>();
+    auto outside = std::make_unique<sim_board::test::Outside>();
     outside_ = outside.get();
     link_.emplace(LiveOptions{}, std::move(outside),
                   [this](const std::string& text) { warnings_.push_back(text); });
@@ -125,7 +125,7 @@ class OverloadedLink : public LiveLinkTest {
   WallClock::Time wall_{};
   std::uint64_t now_us_ = 0;
   std::vector<std::string> warnings_;
-  sim::test::Outside* outside_ = nullptr;
+  sim_board::test::Outside* outside_ = nullptr;
   std::optional<LiveLink> link_;
 };
 

@@ -52,7 +52,7 @@ TEST(WalkFigures, AreNotDrawnWithoutAWalk) {
 }
 
 TEST(WalkFigures, HaveTheCycleOfTheParameters) {
-  sim::Scenario scenario;
+  simulation::Scenario scenario;
   scenario.robot_parameters.settings = {{{"step_time_ms", "parameters.yaml", 3}, 220.0}};
   EXPECT_NEAR(commanded_cycle_s(scenario), 0.44, 1e-9);
   scenario.parameters = {{{"step_time_ms", "s.yaml", 3}, 260.0}};
@@ -73,7 +73,7 @@ TEST(WalkFigures, OmitTheZmpOfAnUnloadedFoot) {
     for (const std::string told : {"", "true_"}) trace.push_back({told + side + "_load_N", {5.0, 0.4, 5.0}});
     for (const char* of_sole : {"x_m", "y_m", "yaw_rad"}) add("true_" + side + "_sole_" + of_sole, 0.0);
   }
-  sim::RobotDescription robot;
+  sim_board::RobotDescription robot;
   robot.links.resize(1);
   robot.links[0].mass_kg = 1.2;
   const PlaneFigure figure = zmp_figure(trace, robot, {0.0, 2.0});
@@ -89,10 +89,10 @@ TEST(WalkFigures, OmitTheZmpOfAnUnloadedFoot) {
 }
 
 TEST(ShownTrace, KeepsTheColumnsOfTheFigures) {
-  using enum sim::TraceKind;
+  using enum simulation::TraceKind;
   ShownTrace trace({{"state", "", kInteger}, {"imu_roll", "rad"}, {"left_knee_torque", "permille"}});
-  trace.add(10'000, std::vector<sim::TraceValue>{3, 0.25, 7.0});
-  trace.add(20'000, std::vector<sim::TraceValue>{4, kNaN, 7.0});
+  trace.add(10'000, std::vector<simulation::TraceValue>{3, 0.25, 7.0});
+  trace.add(20'000, std::vector<simulation::TraceValue>{4, kNaN, 7.0});
   ASSERT_EQ(trace.columns().size(), 3u);  // no figure shows the torque
   EXPECT_THAT(values_of(trace.columns(), "time_s"), testing::ElementsAre(0.01, 0.02));
   EXPECT_THAT(values_of(trace.columns(), "state"), testing::ElementsAre(3.0, 4.0));
@@ -101,9 +101,9 @@ TEST(ShownTrace, KeepsTheColumnsOfTheFigures) {
 }
 
 TEST(ShownTrace, KeepsEverySecondRowOfALongRun) {
-  ShownTrace trace({{"state", "", sim::TraceKind::kInteger}});
+  ShownTrace trace({{"state", "", simulation::TraceKind::kInteger}});
   for (std::uint64_t row = 0; row < ShownTrace::kMaxRows + 4; ++row)
-    trace.add(10'000 * row, std::vector<sim::TraceValue>{static_cast<int>(row % 8)});
+    trace.add(10'000 * row, std::vector<simulation::TraceValue>{static_cast<int>(row % 8)});
   const std::vector<double>& time_s = values_of(trace.columns(), "time_s");
   ASSERT_EQ(time_s.size(), ShownTrace::kMaxRows / 2 + 2);
   EXPECT_DOUBLE_EQ(time_s[1], 0.02);

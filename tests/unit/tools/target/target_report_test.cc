@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim_board/input/error.h"
+#include "base/text/error.h"
 
 namespace koboshi::tools {
 namespace {
@@ -31,7 +31,7 @@ TEST(Distribution, RejectsAnEmptySample) {
 }
 
 TEST(TargetReport, RequiresTheDescriptionOfTheImage) {
-  EXPECT_THROW(static_cast<void>(measure_target({}, "no/such.elf")), sim::InputError);
+  EXPECT_THROW(static_cast<void>(measure_target({}, "no/such.elf")), InputError);
 }
 
 }  // namespace

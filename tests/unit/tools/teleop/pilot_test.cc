@@ -8,16 +8,16 @@ namespace koboshi::tools {
 namespace {
 
 using behaviour::State;
-using Kind = sim::Command::Kind;
+using Kind = simulation::Command::Kind;
 
 class PilotTest : public testing::Test {
  protected:
   // The command that a key leads to.
-  sim::Command command(Key key, State state = State::kWalking) {
+  simulation::Command command(Key key, State state = State::kWalking) {
     const Order order = pilot_.press(key, state);
-    EXPECT_TRUE(std::holds_alternative<sim::Command>(order)) << name_of(key);
-    const auto* command = std::get_if<sim::Command>(&order);
-    return command == nullptr ? sim::Command{} : *command;
+    EXPECT_TRUE(std::holds_alternative<simulation::Command>(order)) << name_of(key);
+    const auto* command = std::get_if<simulation::Command>(&order);
+    return command == nullptr ? simulation::Command{} : *command;
   }
   bool is_nothing(Key key, State state = State::kWalking) {
     return std::holds_alternative<std::monostate>(pilot_.press(key, state));
@@ -137,9 +137,9 @@ TEST_F(PilotTest, DescribesEachKey) {
 }
 
 TEST(BodyPush, HasItsImpulseInTheRobotsHeading) {
-  sim::Push push = BodyPush{{0.2, 0.0}}.on("trunk", 0.5 * std::numbers::pi);
+  simulation::Push push = BodyPush{{0.2, 0.0}}.on("trunk", 0.5 * std::numbers::pi);
   EXPECT_EQ(push.link.text, "trunk");
-  EXPECT_EQ(push.shape, sim::Push::Shape::kHalfSine);
+  EXPECT_EQ(push.shape, simulation::Push::Shape::kHalfSine);
   push.at_us = 1'000'000;
   const Eigen::Vector3d impulse_W_N_s = 0.1 * push.mean_force_W_N(1'000'000, 1'100'000);
   EXPECT_NEAR(impulse_W_N_s.x(), 0.0, 1e-12);

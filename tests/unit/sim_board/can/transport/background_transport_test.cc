@@ -5,7 +5,7 @@
 #include <chrono>
 #include <stdexcept>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // Both ends of it, for a test's thread and the other one.
@@ -106,4 +106,4 @@ TEST_F(BackgroundTransportTest, ReportsThatThePeerIsGone) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

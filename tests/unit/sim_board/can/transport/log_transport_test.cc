@@ -5,9 +5,9 @@
 #include <system_error>
 
 #include "sim_board/can/candump_log.h"
-#include "tests/unit/sim_board/input/scratch_file.h"
+#include "tests/unit/base/scratch_file.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 TEST(LogTransport, RoundTrips) {
@@ -32,4 +32,4 @@ TEST(LogTransport, NeedsAFileThatCanBeWritten) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

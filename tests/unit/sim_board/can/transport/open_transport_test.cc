@@ -7,7 +7,7 @@
 
 #include "sim_board/can/transport/transport.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 std::string complaint(const std::string& name, const TransportOptions& options = {}) {
@@ -65,4 +65,4 @@ TEST(OpenTransport, RejectsAnInterfaceThatMayBePhysical) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

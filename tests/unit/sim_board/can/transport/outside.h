@@ -8,7 +8,7 @@
 
 #include "sim_board/can/transport/transport.h"
 
-namespace koboshi::sim::test {
+namespace koboshi::sim_board::test {
 
 // Whoever is at the other end of a transport: keeps what it hears, and says what a test puts into its mouth.
 class Outside final : public Transport {
@@ -35,4 +35,4 @@ class Outside final : public Transport {
   bool full = false;
 };
 
-}  // namespace koboshi::sim::test
+}  // namespace koboshi::sim_board::test

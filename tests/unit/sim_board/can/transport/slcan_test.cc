@@ -9,7 +9,7 @@
 #include <array>
 #include <string>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 const hal::CanFrame kFrame{.identifier = 0x181, .size = 3, .data = {0x01, 0x2F, 0xFF}};
@@ -123,4 +123,4 @@ TEST(Slcan, IsNotBlockedByAHostThatDoesNotRead) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

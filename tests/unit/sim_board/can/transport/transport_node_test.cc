@@ -6,7 +6,7 @@
 
 #include "tests/unit/sim_board/can/transport/outside.h"
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 class Inside final : public BusNode {
@@ -107,4 +107,4 @@ TEST_F(TransportNodeTest, ReportsFramesDroppedByTheSystem) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string_view>
 
-namespace koboshi::sim {
+namespace koboshi::sim_board {
 namespace {
 
 // What pack_message of python-can 4.1 makes of Message(arbitration_id=0x181, data=[1, 2, 255],
@@ -114,4 +114,4 @@ TEST(UdpMulticast, RejectsAnInvalidGroup) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim
+}  // namespace koboshi::sim_board

@@ -14,7 +14,7 @@ namespace koboshi::tools {
 namespace {
 
 // The bus of a bench: its time goes on while somebody waits for a frame.
-class BenchTransport final : public sim::Transport {
+class BenchTransport final : public sim_board::Transport {
  public:
   explicit BenchTransport(test::BusBench& bench) : bench_(bench) {}
 

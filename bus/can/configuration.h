@@ -1,0 +1,29 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bus/can/device_file.h"
+#include "bus/can/sdo_transfer.h"
+
+namespace koboshi::tools {
+
+// The objects of a node against those of a device file.
+struct ConfigurationReport {
+  std::size_t compared = 0;
+  std::size_t written = 0;
+  std::size_t left_out = 0;              // without a value, write-only, domains
+  std::vector<std::string> differences;  // a line for each object that differs or cannot be accessed
+};
+
+// Compares the value of each object of the file that is readable and has one: of a DCF its ParameterValues,
+// of an EDS its DefaultValues. Throws std::runtime_error if the node does not answer.
+ConfigurationReport compare_configuration(SdoTransfer& sdo, const DeviceFile& file);
+
+// Writes the ParameterValues of a DCF that the node has not yet, then compares. A PDO is disabled while its
+// parameters or its mapping change (CiA 301, 7.5.2.36). 1010 and 1011, which store and restore parameters,
+// are not written.
+ConfigurationReport write_configuration(SdoTransfer& sdo, const DeviceFile& file);
+
+}  // namespace koboshi::tools

@@ -1,0 +1,32 @@
+#include "cli/can/frame_description.h"
+
+#include <fmt/core.h>
+
+#include "bus/can/describe.h"
+
+namespace koboshi::tools {
+namespace {
+
+// Decodes a PDO: its name, then each value with its unit or its name.
+std::string values_text(const Network& network, const hal::CanFrame& frame) {
+  const Message* message = network.find(frame.identifier);
+  if (message == nullptr) return {};
+  std::string text = message->name + ":";
+  for (const Reading& reading : decode(network, frame)) {
+    text += fmt::format(" {}=", reading.signal->name);
+    text += reading.name.empty() ? fmt::format("{:.6g}", reading.value) : fmt::format("'{}'", reading.name);
+    if (reading.name.empty() && !reading.signal->unit.empty()) text += " " + reading.signal->unit;
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string frame_description(const sim_board::BusFrame& frame, const Network& network) {
+  if (const auto* foreign = std::get_if<sim_board::ForeignFrame>(&frame)) return describe(*foreign);
+  const auto& standard = std::get<hal::CanFrame>(frame);
+  const std::string text = describe(standard);
+  return text.empty() ? values_text(network, standard) : text;
+}
+
+}  // namespace koboshi::tools

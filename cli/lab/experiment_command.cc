@@ -1,0 +1,270 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "base/file/standard_streams.h"
+#include "cli/commands.h"
+#include "cli/lab/session.h"
+#include "cli/lab/tune_gait_command.h"
+#include "lab/catalogue/contacts.h"
+#include "lab/catalogue/fall_detection.h"
+#include "lab/catalogue/marathon.h"
+#include "lab/catalogue/push_recovery.h"
+#include "lab/catalogue/stand_up.h"
+#include "lab/catalogue/terrain.h"
+#include "lab/catalogue/walking_speed.h"
+#include "simulation/scenario/paths.h"
+#include "tools/run/run.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr const char* kGetUp = "scenarios/get_up.yaml";
+constexpr const char* kRoughWorlds =
+    "Every seed makes a world of its own: friction 0.4 to 1, link masses and supply +-10 %, a floor that\n"
+    "tilts up to 2 degrees, backlash up to 0.01 rad and an encoder that is off by up to 0.005 rad in each\n"
+    "joint, the sensors' noise and bias.\n";
+
+// An entry of the table of experiments below.
+template <typename Options>
+struct Entry {
+  const char* name;
+  const char* description;
+  std::string footer;  // above the worlds
+  std::vector<std::string> examples;
+  Experiment (*make)(const Options&);
+  void (*add_options)(CLI::App&, Options&, SessionOptions&) = nullptr;
+  Options options{};
+  const char* worlds = kRoughWorlds;
+  std::string (*draw_figures)(const Options&, const SessionOptions&) = nullptr;
+};
+
+template <typename Options>
+void add(CLI::App& parent, Invocation& invocation, Entry<Options> given) {
+  struct Arguments {
+    Entry<Options> entry;
+    SessionOptions session{};
+  };
+  const auto arguments = std::make_shared<Arguments>(Arguments{std::move(given)});
+  Entry<Options>& entry = arguments->entry;
+  CLI::App* command = parent.add_subcommand(entry.name, entry.description);
+  command->footer(fmt::format("{}{}\nExample{}:\n  koboshi experiment {}\n", entry.footer, entry.worlds,
+                              entry.examples.size() > 1 ? "s" : "",
+                              fmt::join(entry.examples, "\n  koboshi experiment ")));
+  command->add_option("SCENARIO", entry.options.scenario, "File or name of a scenario that walks")
+      ->capture_default_str();
+  add_session_options(*command, entry.options, arguments->session);
+  if (entry.add_options) entry.add_options(*command, entry.options, arguments->session);
+  command->callback([arguments, &invocation] {
+    Options& options = arguments->entry.options;
+    options.scenario = simulation::find_input(simulation::InputKind::kScenario, options.scenario);
+    options.overrides = overrides_of(arguments->session);
+    const auto draw = arguments->entry.draw_figures;
+    const DrawFigures draw_figures = [&](const SessionOptions& session) {
+      return draw ? draw(options, session) : std::string();
+    };
+    conduct(arguments->entry.make(options), arguments->session, invocation.command_line, draw_figures);
+  });
+}
+
+// --- gyro-feedback
+
+void add_gyro_feedback_options(CLI::App& command, GyroFeedbackOptions& options, SessionOptions& session) {
+  command.add_option("--duration", session.duration, "Simulated seconds of a trial");
+  command.add_option("--points", options.points, "Points of a cycle of two steps: 4,8,16")
+      ->delimiter(',')
+      ->check(CLI::Range(2, 64));
+  const auto set_feedback = [&options](const std::string& feedback) {
+    if (feedback != "both") options.feedback = {feedback == "on"};
+  };
+  command.add_option_function<std::string>("--feedback", set_feedback, "off, on or both")
+      ->check(CLI::IsMember({"off", "on", "both"}))
+      ->default_str("both");
+  add_disturbance_options(command, options);
+  command.add_option("--gaits", options.gaits,
+                     "Folder with a gait for each cell: 8-on.yaml, ... (default: the scenario's in all)");
+  add_number(command, "--falls-within", options.falls_within, 0.0, 1.0,
+             "End a cell early when its share of falls is known to within +- this");
+}
+
+// The paper's figure 8, off beside on: the first seed's walks of 8 points (or of the first number), each with
+// everything that `koboshi run` leaves.
+std::string draw_walks(const GyroFeedbackOptions& options, const SessionOptions& session) {
+  const bool has_eight = std::ranges::find(options.points, 8) != options.points.end();
+  const int points = has_eight ? 8 : options.points.front();
+  Row names;
+  Row images;
+  for (const bool feedback : options.feedback) {
+    const SeededWorld world =
+        seeded_world(gyro_feedback_scenario(options, points, feedback), options, options.first_seed);
+    const std::string name = gyro_feedback_cell(points, feedback);
+    const std::filesystem::path folder = session.out / name;
+    const RunResult walk = run({.scenario = world.scenario, .out = folder, .change = world.change}, {});
+    if (walk.plot_warning) print_error("koboshi: no figures: {}\n", *walk.plot_warning);
+    if (session.page.empty() || !std::filesystem::exists(folder / "zmp.png")) continue;
+    const std::string image = session.section + "-" + name + ".png";
+    std::filesystem::copy_file(folder / "zmp.png", session.page.parent_path() / image,
+                               std::filesystem::copy_options::overwrite_existing);
+    names.push_back(fmt::format("{} points, feedback {}", points, feedback ? "on" : "off"));
+    images.push_back(fmt::format("![ZMP trace over the feet]({})", image));
+  }
+  return names.empty() ? std::string() : table_text(names, {images}, TableStyle::kMarkdown);
+}
+
+// --- options of the others
+
+void add_walking_speed_options(CLI::App& command, WalkingSpeedOptions& options, SessionOptions&) {
+  for (SpeedLadder& ladder : options.ladders) {
+    const std::string& name = SpeedLadder::names().at(static_cast<std::size_t>(ladder.direction));
+    command
+        .add_option("--" + name, ladder.commands,
+                    std::string("Commands in this direction, ") + (name == "turn" ? "rad/s" : "m/s"))
+        ->delimiter(',')
+        ->check(CLI::Range(0.001, 3.0))
+        ->capture_default_str();
+  }
+  command.add_option("--only", options.only, "Some of the directions")
+      ->delimiter(',')
+      ->check(CLI::IsMember(SpeedLadder::names()));
+}
+
+void add_push_recovery_options(CLI::App& command, PushRecoveryOptions& options, SessionOptions&) {
+  command.add_option("--only", options.states, "Some of the states: standing, walking")
+      ->delimiter(',')
+      ->check(CLI::IsMember(pushed_states()));
+  std::vector<std::string> names;
+  for (const Feedback& feedback : feedbacks()) names.push_back(feedback.name);
+  command.add_option("--ablate", options.ablate, "Also without these feedbacks, one at a time")
+      ->delimiter(',')
+      ->check(CLI::IsMember(names));
+  add_number(command, "--directions", options.directions, 1, 64, "Directions of the pushes, all around");
+  add_number(command, "--highest", options.highest_N_s_per_kg, 0.01, 10.0,
+             "Upper limit of the impulses, N s for each kg of the robot");
+  add_number(command, "--halvings", options.halvings, 1, 16, "Halvings of the range in the bisection");
+  add_number(command, "--phase-bins", options.phase_bins, 1, 64, "Parts of a cycle of two steps");
+}
+
+void add_terrain_options(CLI::App& command, TerrainOptions& options, SessionOptions&) {
+  add_number(command, "--speed", options.speed_m_per_s, 0.01, 3.0, "Commanded speed, m/s");
+  add_number(command, "--distance", options.distance_m, 0.1, 10.0, "Distance to walk, m");
+}
+
+void add_stand_up_options(CLI::App& command, StandUpOptions& options, SessionOptions&) {
+  add_number(command, "--drop", options.drop_m, 0.0, 1.0, "Height of the drop, m");
+  add_number(command, "--joint-share", options.joint_share, 0.0, 1.0,
+             "Share of each joint's range in which its angle is drawn");
+}
+
+void add_fall_detection_options(CLI::App& command, FallDetectionOptions& options, SessionOptions&) {
+  add_number(command, "--standing", options.standing_N_s_per_kg, 0.01, 10.0,
+             "Impulse that is survived standing, N s/kg");
+  add_number(command, "--walking", options.walking_N_s_per_kg, 0.01, 10.0,
+             "Impulse that is survived walking, N s/kg");
+  add_number(command, "--survivable", options.survivable_N_s_per_kg, 0.0, 10.0,
+             "Hardest push of the walks, N s/kg");
+  add_number(command, "--walk", options.walk_s, 1.0, 3600.0, "Duration of each walk, s");
+  command.add_option("--roc", options.scales, "Also multiply the thresholds by these factors")
+      ->delimiter(',')
+      ->check(CLI::Range(0.1, 3.5));
+}
+
+void add_marathon_options(CLI::App& command, MarathonOptions& options, SessionOptions&) {
+  add_number(command, "--hours", options.hours, 0.01, 100.0, "Simulated hours");
+  add_number(command, "--highest", options.highest_N_s_per_kg, 0.0, 10.0, "Hardest push, N s/kg");
+}
+
+}  // namespace
+
+void add_experiment_command(CLI::App& program, Invocation& invocation) {
+  CLI::App& command =
+      *program.add_subcommand("experiment", "Experiments: many trials over the cores, with statistics");
+  command.require_subcommand(1);
+  add<GyroFeedbackOptions>(
+      command, invocation,
+      {.name = "gyro-feedback",
+       .description = "The paper's section 3: points of the walking pattern, gyro feedback off and on",
+       .footer = "",
+       .examples = {"gyro-feedback --seeds 20 --duration 30",
+                    "gyro-feedback --points 8 --feedback on --seeds 100 --duration 60 --json fb.json",
+                    "gyro-feedback --disturbed --budget-s 1800"},
+       .make = make_gyro_feedback,
+       .add_options = add_gyro_feedback_options,
+       .worlds = "Every seed makes a world of its own: friction 0.5 to 1, link masses +-5 %, a floor that\n"
+                 "tilts up to 1 degree, the sensors' noise and bias. The table shows shares and means with\n"
+                 "95 % confidence intervals.\n",
+       .draw_figures = draw_walks});
+  add<WalkingSpeedOptions>(
+      command, invocation,
+      {.name = "walking-speed",
+       .description = "The highest speeds that are sustained over 10 body heights",
+       .footer = "The command is raised in each direction until more than 5 of 100 seeds fall, or make less\n"
+                 "than a quarter of it. Odd seeds go to the left, even ones to the right.\n",
+       .examples = {"walking-speed --seeds 20 --stepper mujoco",
+                    "walking-speed --only forward --forward 0.2,0.22,0.24 --json speed.json"},
+       .make = make_walking_speed,
+       .add_options = add_walking_speed_options});
+  add<PushRecoveryOptions>(
+      command, invocation,
+      {.name = "push-recovery",
+       .description = "The largest pushes that are survived, standing and walking in place",
+       .footer =
+           "A half sine of 0.1 s at the trunk. In each world and direction the largest impulse is found\n"
+           "by bisection; the table shows the impulse that 95 of 100 seeds survive, with a 95 %\n"
+           "confidence interval, and walking, in the phase of the step in which it is least.\n",
+       .examples = {"push-recovery --seeds 20 --stepper mujoco",
+                    "push-recovery --directions 4 --ablate gyro,capture --json push.json"},
+       .make = make_push_recovery,
+       .add_options = add_push_recovery_options});
+  add<TerrainOptions>(
+      command, invocation,
+      {.name = "terrain",
+       .description = "Steps, slopes, slippery patches and bumps that are walked over",
+       .footer = "Each kind of ground is made harder until more than 5 of 100 seeds fall, or need more than\n"
+                 "twice the time.\n",
+       .examples = {"terrain --seeds 20 --stepper mujoco --budget-s 600"},
+       .make = make_terrain,
+       .add_options = add_terrain_options});
+  add<StandUpOptions>(
+      command, invocation,
+      {.name = "stand-up",
+       .description = "Whether the robot gets up from any pose in which it was dropped",
+       .footer = "The robot is dropped limp with a random attitude and random joint angles, settles, and is\n"
+                 "commanded to get up.\n",
+       .examples = {"stand-up --seeds 200 --stepper mujoco"},
+       .make = make_stand_up,
+       .add_options = add_stand_up_options,
+       .options = {{.scenario = kGetUp}}});
+  add<FallDetectionOptions>(
+      command, invocation,
+      {.name = "fall-detection",
+       .description = "Lead time and false alarms of fall detection",
+       .footer = "Pushes of 1.2 to 2 times the survived impulse, from all sides; bars in the path, slippery\n"
+                 "floors, a push that lasts, drives that fail; and walks with pushes that are survived.\n",
+       .examples = {"fall-detection --seeds 60 --stepper mujoco --roc 0.8,1.25"},
+       .make = make_fall_detection,
+       .add_options = add_fall_detection_options,
+       .options = {{.scenario = kGetUp}}});
+  add<MarathonOptions>(command, invocation,
+                       {.name = "marathon",
+                        .description = "An hour of random commands and pushes",
+                        .footer = "The robot gets no help.\n",
+                        .examples = {"marathon --stepper mujoco --hours 0.1"},
+                        .make = make_marathon,
+                        .add_options = add_marathon_options,
+                        .options = {{.scenario = kGetUp, .seeds = 10}}});
+  add<ExperimentSetup>(
+      command, invocation,
+      {.name = "contacts",
+       .description = "Whether the simulated contacts hold in falls and in getting up",
+       .footer =
+           "The robot falls because a drive fails, or because it is pushed, and gets up. The table shows\n"
+           "the deepest contact that closes without a force, steps in which sliding contacts did not\n"
+           "settle, and how far links overlap.\n",
+       .examples = {"contacts --seeds 100 --stepper mujoco"},
+       .make = make_contacts,
+       .options = {.scenario = kGetUp}});
+  add_tune_gait_command(command);
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,179 @@
+#include "cli/lab/session.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+#include "base/file/output_file.h"
+#include "base/file/standard_streams.h"
+#include "base/text/error.h"
+#include "cli/options.h"
+#include "lab/experiment/files.h"
+#include "lab/trial/trial_recordings.h"
+#include "sim_board/world/options.h"
+#include "simulation/batch/parallel.h"
+#include "simulation/record/summary.h"
+
+namespace koboshi::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLogName = "trials.jsonl";
+
+// Throws if the folder holds anything but an earlier experiment.
+void check_folder(const fs::path& folder) {
+  if (!fs::exists(folder)) return;
+  if (!fs::is_directory(folder)) throw InputError(folder, 0, "a file", "a folder for the results");
+  if (fs::is_empty(folder) || fs::exists(folder / kLogName)) return;
+  throw InputError(folder, 0, "a folder with other files",
+                   "a new or empty folder, or one of an earlier experiment");
+}
+
+void check_file(const fs::path& file) {
+  if (file.empty()) return;
+  const fs::path folder = fs::absolute(file).parent_path();
+  if (!fs::is_directory(folder)) throw InputError(file, 0, "no folder to write it in", "one that exists");
+}
+
+bool is_lost(const std::vector<Metric>& metrics, const Record& record) {
+  for (std::size_t i = 0; i < metrics.size(); ++i)
+    if (metrics[i].is_loss && record.values[i].value_or(0.0) != 0.0) return true;
+  return !record.error.empty();
+}
+
+// The same experiment, which keeps a recording of each lost trial in the folder: CELL-SEED.mcap.
+Experiment recorded(Experiment experiment, const fs::path& folder) {
+  experiment.play = [play = experiment.play, metrics = experiment.metrics, cells = experiment.cells, folder](
+                        std::size_t cell, std::uint64_t seed) {
+    TrialRecordings recordings(folder / fmt::format("{}-{}", cells[cell].name, seed));
+    Record record = play(cell, seed);
+    if (is_lost(metrics, record)) recordings.keep();
+    return record;
+  };
+  return experiment;
+}
+
+ExperimentResult play(const Experiment& experiment, const SessionOptions& session) {
+  check_folder(session.out);
+  check_file(session.json);
+  check_file(session.page);
+  fs::create_directories(session.out);
+  const ProgressLine line;
+  ExperimentOptions options{.log = session.out / kLogName, .jobs = session.jobs};
+  if (session.budget_s > 0.0) options.budget = std::chrono::duration<double>(session.budget_s);
+  options.progress = [&line](const ExperimentProgress& progress) {
+    const double played_min = progress.wall_s / 60.0;
+    const double share = static_cast<double>(progress.done) / static_cast<double>(progress.total);
+    line.show(fmt::format("{} of {} trials, {:.1f} min, at most {:.1f} min to go", progress.done,
+                          progress.total, played_min, played_min * (1.0 / share - 1.0)));
+  };
+  return play_experiment(session.record_lost.empty() ? experiment : recorded(experiment, session.record_lost),
+                         options);
+}
+
+// Draws the figure in the folder of the results and copies it beside the page. Returns Markdown that shows it
+// there; empty without a page or a figure.
+std::string draw_figure(const PlaneFigure& figure, const SessionOptions& session) {
+  try {
+    draw(figure, session.out / "figure");
+  } catch (const PlotError& error) {
+    print_error("koboshi: no figure: {}\n", error.what());
+    return {};
+  }
+  if (session.page.empty()) return {};
+  const std::string image = session.section + ".png";
+  fs::copy_file(session.out / "figure.png", session.page.parent_path() / image,
+                fs::copy_options::overwrite_existing);
+  return "![" + figure.title + "](" + image + ")\n";
+}
+
+// The table with the command that made it, the remarks and the figures, as a section of the page.
+void write_page(const Experiment& experiment, const SessionOptions& session, const std::string& command_line,
+                const std::string& table, const std::string& remarks, const std::string& figures) {
+  std::string text = fmt::format("\n```console not-run\n$ {}\n```\n\n{}", command_line, table);
+  if (!remarks.empty()) text += "\n```\n" + remarks + "```\n";
+  if (!figures.empty()) text += "\n" + figures;
+  write_section(session.page, experiment.title, session.section, text + "\n");
+}
+
+}  // namespace
+
+void add_stepper_option(CLI::App& command, std::string& stepper, const std::string& help) {
+  command.add_option("--stepper", stepper, help)->check(CLI::IsMember(sim_board::stepper_names()));
+}
+
+void add_jobs_option(CLI::App& command, std::size_t& jobs) {
+  jobs = simulation::core_count();
+  command.add_option("--jobs", jobs, "Trials at a time (default: the number of cores)")
+      ->check(CLI::Range(1, 1024));
+}
+
+void add_session_options(CLI::App& command, ExperimentSetup& setup, SessionOptions& session) {
+  add_number(command, "--seeds", setup.seeds, 1, 1'000'000, "Seeds that each cell is played with");
+  command.add_option("--first-seed", setup.first_seed, "The first of them")->capture_default_str();
+  add_stepper_option(command, session.stepper, "Stepper of the physics in all cells, as in koboshi run");
+  command.add_option("--set", session.sets, "Override a key of the scenario in all cells; may be repeated")
+      ->allow_extra_args(false);
+  add_jobs_option(command, session.jobs);
+  command.add_option("--budget-s", session.budget_s, "Seconds after which no more trials begin")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--out", session.out,
+                     "Folder of the results; resumes the experiment if the folder holds an interrupted one");
+  command.add_option("--json", session.json, "Also write the results to this file");
+  command.add_option("--record-lost", session.record_lost,
+                     "Keep a recording of each trial that is lost in this folder: CELL-SEED.mcap");
+  CLI::Option* page =
+      command.add_option("--page", session.page, "Update this Markdown page with the results");
+  command.add_option("--section", session.section, "Section of the page that they replace")->needs(page);
+}
+
+void add_disturbance_options(CLI::App& command, GyroFeedbackOptions& options) {
+  CLI::Option* disturbed = command.add_flag("--disturbed", options.disturbed,
+                                            "Push the trunk; soft ground that tilts up to 3 degrees");
+  add_number(command, "--push", options.push_N_s, 0.0, 10.0, "Strongest push of the disturbed form, in N s")
+      ->needs(disturbed);
+}
+
+std::vector<Override> overrides_of(const SessionOptions& session) {
+  return overrides_of(session.sets, {{"duration_s", session.duration, "--duration"},
+                                     {"physics.stepper", session.stepper, "--stepper"}});
+}
+
+ProgressLine::ProgressLine() : terminal_(isatty(STDERR_FILENO) != 0) {}
+
+ProgressLine::~ProgressLine() {
+  if (terminal_) print_error("\n");
+}
+
+void ProgressLine::show(const std::string& text) const {
+  if (!terminal_) return;
+  print_error("\r{} ", text);
+  std::fflush(stderr);
+}
+
+void conduct(const Experiment& experiment, SessionOptions session, const std::string& command_line,
+             const DrawFigures& draw_figures) {
+  if (session.out.empty()) session.out = fs::path("runs") / experiment.name;
+  if (session.section.empty()) session.section = experiment.name;
+  const ExperimentResult result = play(experiment, session);
+  const Conclusions conclusions =
+      experiment.conclude ? experiment.conclude(experiment, result) : Conclusions{};
+  nlohmann::ordered_json json = to_json(experiment, result);
+  json.update(conclusions.values);
+  write_whole_file(session.out / "trials.csv", to_csv(experiment, result));
+  simulation::write_json(session.out / "result.json", json);
+  if (!session.json.empty()) simulation::write_json(session.json, json);
+  const auto table = [&](TableStyle style) {
+    return conclusions.table ? conclusions.table(style) : result_table(experiment, result, style);
+  };
+  const std::string remarks = conclusions.lines + notes(experiment, result);
+  fmt::print("{}{}results in {}\n", table(TableStyle::kTerminal), remarks, session.out.string());
+  std::string figures = draw_figures ? draw_figures(session) : "";
+  if (conclusions.figure) figures += draw_figure(*conclusions.figure, session);
+  if (session.page.empty()) return;
+  write_page(experiment, session, command_line, table(TableStyle::kMarkdown), remarks, figures);
+}
+
+}  // namespace koboshi::tools

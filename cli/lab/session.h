@@ -1,0 +1,67 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "base/yaml/yaml_tree.h"
+#include "lab/catalogue/gyro_feedback.h"
+#include "lab/experiment/report.h"
+
+namespace koboshi::tools {
+
+// Options of every experiment beside its setup.
+struct SessionOptions {
+  std::string duration{};
+  std::string stepper{};
+  std::vector<std::string> sets{};
+  std::size_t jobs = 1;
+  double budget_s = 0.0;        // 0: none
+  std::filesystem::path out{};  // empty: runs/ and the experiment's name
+  std::filesystem::path json{};
+  std::filesystem::path record_lost{};  // folder of the recordings of lost trials; empty: none
+  std::filesystem::path page{};
+  std::string section{};  // empty: the experiment's name
+};
+
+// Adds a number with its range; --help shows both and the default.
+template <typename Number>
+CLI::Option* add_number(CLI::App& command, const std::string& name, Number& value,
+                        std::type_identity_t<Number> low, std::type_identity_t<Number> high,
+                        const std::string& help) {
+  return command.add_option(name, value, help)->check(CLI::Range(low, high))->capture_default_str();
+}
+
+void add_session_options(CLI::App& command, ExperimentSetup& setup, SessionOptions& session);
+void add_stepper_option(CLI::App& command, std::string& stepper, const std::string& help);
+void add_jobs_option(CLI::App& command, std::size_t& jobs);
+// Adds --disturbed and --push, to whatever plays the worlds of the gyro-feedback experiment.
+void add_disturbance_options(CLI::App& command, GyroFeedbackOptions& options);
+
+// The overrides of --duration, --stepper and --set.
+[[nodiscard]] std::vector<Override> overrides_of(const SessionOptions& session);
+
+// A line of progress on standard error. Does nothing in a pipe.
+class ProgressLine {
+ public:
+  ProgressLine();
+  ~ProgressLine();
+  void show(const std::string& text) const;
+
+ private:
+  bool terminal_;
+};
+
+// Makes further figures, and returns Markdown that shows them on the page; empty without a page.
+using DrawFigures = std::function<std::string(const SessionOptions&)>;
+
+// Plays an experiment with finished trials in trials.jsonl in the folder, prints the table, and leaves
+// trials.csv, result.json, figure.png and what --json and --page ask for. Throws InputError.
+void conduct(const Experiment& experiment, SessionOptions session, const std::string& command_line,
+             const DrawFigures& draw_figures);
+
+}  // namespace koboshi::tools

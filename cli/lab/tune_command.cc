@@ -1,0 +1,152 @@
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "base/file/output_file.h"
+#include "cli/commands.h"
+#include "cli/lab/session.h"
+#include "cli/lab/tune_gait_command.h"
+#include "lab/tune/gait_search.h"
+#include "lab/tune/infeasible.h"
+#include "lab/tune/study_search.h"
+#include "simulation/scenario/paths.h"
+
+namespace koboshi::tools {
+namespace {
+
+struct TuneArguments {
+  std::filesystem::path study;
+  StudyOptions options;
+  std::string search = "cma-es";
+  std::string stepper;
+};
+
+struct TuneGaitArguments {
+  GaitSearchOptions options;
+  int points = 8;
+  std::string feedback = "on";
+  std::string duration = "10";
+  std::string stepper;
+  std::filesystem::path result;
+};
+
+void add_search_options(CLI::App& command, SearchOptions& options, std::size_t min_evaluations,
+                        std::string& stepper) {
+  add_number(command, "--evaluations", options.evaluations, min_evaluations, 1'000'000,
+             "Candidates that are tried");
+  add_number(command, "--spread", options.spread, 0.001, 0.5,
+             "Standard deviation of the first candidates about the start, as a share of the ranges");
+  add_number(command, "--seeds", options.seeds, 1, 1000, "Worlds in which each candidate is tried");
+  command.add_option("--first-seed", options.first_seed, "The first of them; judge the result on others")
+      ->capture_default_str();
+  add_stepper_option(command, stepper,
+                     "Stepper of the physics: mujoco is fast; confirm what it finds with world");
+  add_jobs_option(command, options.jobs);
+}
+
+// Prints the result of `search`, which is given a function that shows its progress.
+template <typename Run>
+auto show_search(const std::string& label, const std::string& unit, const std::filesystem::path& out,
+                 const Run& run) {
+  const auto result = [&] {
+    const ProgressLine line;
+    return run([&](const SearchProgress& progress) {
+      line.show(fmt::format("{} of {} evaluations, {}{:.4f}{}, best {:.4f}{}", progress.done, progress.total,
+                            label, progress.score, unit, progress.best, unit));
+    });
+  }();
+  for (const auto& [path, value] : result.numbers) fmt::print("{}: {}\n", path, value);
+  fmt::print("{}", infeasible_text(result.infeasible, result.evaluations));
+  fmt::print("{}{:.4f}{} on the seeds that it was tuned on; results in {}\n", label, result.score, unit,
+             out.string());
+  return result;
+}
+
+void tune(const TuneArguments& arguments) {
+  const Study study = read_study(simulation::find_input(simulation::InputKind::kStudy, arguments.study));
+  StudyOptions options = arguments.options;
+  options.method = arguments.search == "cma-es" ? Method::kCmaEs : Method::kNsga2;
+  if (!arguments.stepper.empty())
+    options.overrides.push_back({"physics.stepper", arguments.stepper, "--stepper"});
+  if (options.out.empty()) options.out = "runs/tune" / arguments.study.stem();
+  show_search("score ", "", options.out,
+              [&](const ShowProgress& show) { return search_study(study, options, show); });
+}
+
+void tune_gait(const TuneGaitArguments& arguments) {
+  GaitSearchOptions options = arguments.options;
+  options.experiment.scenario =
+      simulation::find_input(simulation::InputKind::kScenario, options.experiment.scenario);
+  options.start = simulation::find_input(simulation::InputKind::kGait, options.start);
+  options.experiment.points = {arguments.points};
+  options.experiment.feedback = {arguments.feedback == "on"};
+  options.experiment.overrides = overrides_of({.duration = arguments.duration, .stepper = arguments.stepper});
+  if (options.out.empty())
+    options.out = "runs/tune-gait/" + gyro_feedback_cell(arguments.points, arguments.feedback == "on");
+  const GaitSearchResult result = show_search(
+      "", " m/s", options.out, [&](const ShowProgress& show) { return search_gait(options, show); });
+  if (!arguments.result.empty()) write_whole_file(arguments.result, result.text);
+}
+
+}  // namespace
+
+void add_tune_command(CLI::App& program, Invocation&) {
+  auto arguments = std::make_shared<TuneArguments>();
+  CLI::App* command = program.add_subcommand("tune", "Optimise the parameters of a study");
+  command->footer(
+      "CMA-ES or NSGA-II over parameters of a scenario: of the controller, of a gait, or of the world. Each\n"
+      "evaluation plays the study's trials in the same worlds. An interrupted search resumes when it is\n"
+      "called again. docs/reference/study-format.md describes the file.\n\n"
+      "Example:\n"
+      "  koboshi tune studies/walk.yaml --stepper mujoco --evaluations 400\n");
+  command->add_option("STUDY", arguments->study, "The study's file or name")->required();
+  command
+      ->add_option(
+          "--search", arguments->search,
+          "Maximises the mean score (cma-es) or finds the Pareto front of the trials' scores (nsga-2)")
+      ->check(CLI::IsMember({"cma-es", "nsga-2"}))
+      ->capture_default_str();
+  add_search_options(*command, arguments->options, 16, arguments->stepper);
+  add_number(*command, "--population", arguments->options.population, 5, 1000, "Candidates of a generation");
+  command->add_option("--out", arguments->options.out,
+                      "Folder of the results (default: runs/tune/ and the study's name)");
+  command->callback([arguments] { tune(*arguments); });
+}
+
+void add_tune_gait_command(CLI::App& experiment) {
+  auto arguments = std::make_shared<TuneGaitArguments>();
+  GaitSearchOptions& options = arguments->options;
+  options.start = "robots/koboshi/gait.yaml";
+  options.evaluations = 150;
+  CLI::App* command = experiment.add_subcommand(
+      "tune-gait", "Optimise the parameters of a gait: the robot walks fast and does not fall");
+  command->footer(
+      "CMA-ES, started from a gait file; keys that it does not have, and the gains where the feedback is\n"
+      "off, are left alone. All cases get the same number of evaluations, each on the same worlds. An\n"
+      "interrupted search resumes when it is called again. evaluations.csv in the folder of the results\n"
+      "lists every evaluation.\n\n"
+      "Example:\n"
+      "  koboshi experiment tune-gait --points 8 --feedback off --gait robots/koboshi/gaits/8-off.yaml\n");
+  command->add_option("SCENARIO", options.experiment.scenario, "File or name of a scenario that walks")
+      ->capture_default_str();
+  add_number(*command, "--points", arguments->points, 2, 64, "Points of a cycle of two steps");
+  command->add_option("--feedback", arguments->feedback, "off or on")
+      ->check(CLI::IsMember({"off", "on"}))
+      ->capture_default_str();
+  add_disturbance_options(*command, options.experiment);
+  command
+      ->add_option("--start", options.start,
+                   "The gait file to begin with, or the name of a robot for its gait")
+      ->capture_default_str();
+  command->add_option("--gait", arguments->result, "Also write the gait that was found to this file");
+  add_search_options(*command, options, 24, arguments->stepper);
+  command->add_option("--duration", arguments->duration, "Simulated seconds of a trial")
+      ->capture_default_str();
+  command->add_option("--out", options.out,
+                      "Folder of the results (default: runs/tune-gait/ and the case's name)");
+  command->callback([arguments] { tune_gait(*arguments); });
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,166 @@
+#include "cli/run_and_report.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "base/file/standard_streams.h"
+#include "base/text/error.h"
+#include "base/text/text.h"
+#include "sim_board/world/options.h"
+#include "simulation/host/qemu_host.h"
+#include "simulation/observe/event_log.h"
+#include "tools/run/run.h"
+#include "tools/teleop/page_keys.h"
+#include "tools/teleop/teleop.h"
+
+namespace koboshi::tools {
+namespace {
+
+// By the value of --record, a rate in hertz.
+const std::map<std::string, std::uint64_t>& recording_periods_us() {
+  static const std::map<std::string, std::uint64_t> kPeriods{{"no", 0}, {"100", 10'000}, {"500", 2'000}};
+  return kPeriods;
+}
+
+// Shows the progress of a run on a terminal, and nothing in a pipe.
+class ProgressBar {
+ public:
+  void show(const RunProgress& progress) {
+    if (!terminal_) return;
+    const int percent = static_cast<int>(100.0 * progress.simulated_s / progress.duration_s);
+    if (percent == percent_) return;
+    percent_ = percent;
+    const int filled = percent * kWidth / 100;
+    print_error("\r[{:#<{}}{:<{}}] {:7.2f} s of {:.2f} s, {:.1f} x real time ", "", filled, "",
+                kWidth - filled, progress.simulated_s, progress.duration_s,
+                progress.simulated_s / progress.wall_s);
+    if (percent == 100) print_error("\n");
+  }
+
+ private:
+  static constexpr int kWidth = 40;
+  bool terminal_ = isatty(STDERR_FILENO) != 0;
+  int percent_ = -1;
+};
+
+void report(const RunResult& result, const std::filesystem::path& out) {
+  const simulation::RunSummary& summary = result.summary;
+  // The last event is the verdict.
+  const auto but_the_last = std::span(summary.events).first(summary.events.size() - 1);
+  fmt::print("{}{} after {:.2f} s: {}, bus load {:.0f} %, state {}\nresults in {}\n",
+             simulation::events_text(but_the_last), result.failure ? "ended early" : "done",
+             summary.duration_s, count_text(summary.solver_warnings, "solver warning"),
+             100.0 * summary.can_bus_load, summary.state_hash, out.string());
+  std::fflush(stdout);  // before what follows on standard error
+  warn_of_losses(result.live);
+  if (result.plot_warning) print_error("koboshi: no figures: {}\n", *result.plot_warning);
+  if (result.failure) print_error("koboshi: {}\n", *result.failure);
+  fmt::print("{}\n", summary.verdict);
+}
+
+// Why the keys of a page have no effect on this run; empty if they have one.
+std::string refusal_of_keys(const RunOptions& options) {
+  if (options.live.transport.real_bus) return "Keys are refused: this run is on a real bus (--real-bus).";
+  if (!options.scenario.teleop) return "This run takes no keys: --set teleop=true lets a page drive.";
+  return {};
+}
+
+// The operator needs a terminal or a page, and a run in real time.
+void give_operator(RunOptions& options, KeyQueue& keys) {
+  const bool takes_page_keys = options.view != nullptr && refusal_of_keys(options).empty();
+  const Teleop::Seats seats{Terminal::is_there(), options.view, takes_page_keys ? &keys : nullptr};
+  if (!seats.terminal && !takes_page_keys) {
+    throw InputError(options.scenario.file, 0, "teleop: true, but no terminal on standard input and output",
+                     "one, whose keys drive the robot, or --view, or --set teleop=false");
+  }
+  options.live.realtime = true;
+  options.make_operator = [seats](simulation::Simulation& simulation, const simulation::RunRecorder& recorder,
+                                  const LiveLink& live) {
+    return std::make_unique<Teleop>(simulation, recorder, live, seats);
+  };
+}
+
+}  // namespace
+
+void add_run_options(CLI::App& command, RunArguments& arguments) {
+  command.add_option("--out", arguments.out,
+                     "Folder of the results (default: runs/ and the name of the file)");
+  command.add_option("--seed", arguments.seed, "Seed of all random numbers of the run");
+  command
+      .add_option("--stepper", arguments.stepper,
+                  "lumped: exact contacts, in joint coordinates (default); world: the reference, slow;\n"
+                  "mujoco: the second engine")
+      ->check(CLI::IsMember(sim_board::stepper_names()));
+  command
+      .add_option("--set", arguments.sets,
+                  "Override a key of the scenario: physics.step_ms=0.5; may be repeated")
+      ->allow_extra_args(false);
+  command
+      .add_option("--record", arguments.record,
+                  "Samples per second of the recording run.mcap: 100 (default), 500 or no recording")
+      ->check(CLI::IsMember({"no", "100", "500"}));
+  add_view_options(command, arguments.view);
+}
+
+std::vector<Override> scenario_overrides(const RunArguments& arguments) {
+  return overrides_of(arguments.sets, {{"seed", arguments.seed, "--seed"},
+                                       {"duration_s", arguments.duration, "--duration"},
+                                       {"physics.stepper", arguments.stepper, "--stepper"}});
+}
+
+int run_and_report(const RunArguments& arguments, simulation::Scenario scenario) {
+  RunOptions options;
+  options.scenario = std::move(scenario);
+  options.out =
+      arguments.out.empty() ? std::filesystem::path("runs") / options.scenario.file.stem() : arguments.out;
+  options.make_host = simulation::in_process(arguments.storage);
+  if (arguments.controller != "qemu" && !arguments.image.empty())
+    throw InputError("--image", 0, "--controller " + arguments.controller, "--controller qemu");
+  if (arguments.controller == "qemu") {
+    if (!arguments.storage.empty())
+      throw InputError("--storage", 0, "--controller qemu", "--controller in-process");
+    options.make_host =
+        simulation::in_qemu(arguments.image.empty() ? simulation::default_image() : arguments.image);
+  }
+  options.recording_period_us = recording_periods_us().at(arguments.record);
+  options.live = arguments.live;
+  KeyQueue keys;  // outlives the view
+  const auto view = open_view(arguments.view, options.live);
+  options.view = view.get();
+  if (view) {
+    view::PageKeys offered = page_keys(keys);
+    offered.refusal = refusal_of_keys(options);
+    view->set_keys(std::move(offered));
+  }
+  options.ready = [&](const LiveLink& link) {
+    print_bus_address(link);
+    print_view_address(view.get());
+  };
+  options.warn = warn;
+  std::function<void(const RunProgress&)> show = [bar = ProgressBar()](const RunProgress& progress) mutable {
+    bar.show(progress);
+  };
+  if (options.scenario.teleop) {
+    give_operator(options, keys);
+    if (Terminal::is_there()) {
+      show = {};  // the operator has the screen
+      options.warn = {};
+    }
+  }
+  const RunResult result = run(options, show);
+  report(result, options.out);
+  return result.failure ? 1 : 0;
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,199 @@
+#include "lab/bench/bench.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <thread>
+
+#include "lab/bench/memory.h"
+#include "sim_board/engine/make_world.h"
+#include "simulation/assembly/simulation.h"
+#include "simulation/observe/run_recorder.h"
+#include "simulation/scenario/reader.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr std::uint64_t kSlice_us = 250'000;
+constexpr double kSpeedup_s = 2.0;  // simulated, of each measurement with two worlds
+constexpr int kSpeedupRepeats = 3;
+
+double processor_s() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double wall_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+simulation::Scenario read(const std::filesystem::path& file, const simulation::Physics& physics,
+                          double duration_s) {
+  simulation::Scenario scenario = simulation::read_scenario(file);
+  scenario.physics = physics;
+  scenario.duration_us = static_cast<std::uint64_t>(std::llround(1e6 * duration_s));
+  return scenario;
+}
+
+// One scenario on its way, with a clock that runs only while it is advanced, and the height of its trunk.
+class Trial {
+ public:
+  explicit Trial(const simulation::Scenario& scenario)
+      : simulation_(scenario), recorder_(simulation_, nullptr) {}
+
+  bool finished() const { return simulation_.finished() || blew_up_; }
+
+  void advance(std::uint64_t duration_us) {
+    const std::uint64_t end_us = simulation_.board().now_us() + duration_us;
+    while (!finished() && simulation_.board().now_us() < end_us) {
+      const double start_s = processor_s();
+      try {
+        for (int ms = 0; ms < 10 && !simulation_.finished(); ++ms) simulation_.advance();
+      } catch (const sim_board::WorldBlewUp&) {
+        blew_up_ = true;
+      }
+      time_s_ += processor_s() - start_s;
+      recorder_.record_tick();
+      heights_m_.push_back(recorder_.truth().p_WB_W.z());
+    }
+  }
+
+  BenchRun result() const {
+    const sim_board::SimBoard& board = simulation_.board();
+    const double simulated_s = 1e-6 * static_cast<double>(board.now_us());
+    const sim_board::TimeShares& part = board.time_shares();
+    // The parts are measured by the clock on the wall; what disturbs it, disturbs all of them.
+    const double parts_s = part.bus_s + part.drives_s + part.firmware_s + part.physics_s + part.sensors_s;
+    BenchRun run;
+    run.real_time_factor = simulated_s / time_s_;
+    run.shares = {.bus_s = part.bus_s / parts_s,
+                  .drives_s = part.drives_s / parts_s,
+                  .firmware_s = part.firmware_s / parts_s,
+                  .physics_s = part.physics_s / parts_s,
+                  .sensors_s = part.sensors_s / parts_s};
+    run.physics_steps_per_s = simulated_s / board.world().step_s() / (time_s_ * run.shares.physics_s);
+    run.fell = recorder_.fell() || blew_up_;
+    return run;
+  }
+  double foot_slip_m() const { return recorder_.summary().foot_slip_max_m; }
+  const std::vector<double>& heights_m() const { return heights_m_; }  // by tick
+
+ private:
+  simulation::Simulation simulation_;
+  simulation::RunRecorder recorder_;
+  double time_s_ = 0.0;
+  bool blew_up_ = false;
+  std::vector<double> heights_m_;
+};
+
+std::vector<double> reference_heights_m(const BenchOptions& options) {
+  const simulation::Physics physics{
+      .step_us = static_cast<std::uint64_t>(std::llround(1e6 * options.reference_step_s)),
+      .stepper = sim_board::Stepper::kWorld};
+  Trial trial(read(options.squat, physics, options.duration_s));
+  while (!trial.finished()) trial.advance(kSlice_us);
+  return trial.heights_m();
+}
+
+// From the tick `first` on.
+double rms_m(const std::vector<double>& one_m, const std::vector<double>& other_m, std::size_t first) {
+  const std::size_t count = std::min(one_m.size(), other_m.size());
+  double sum_m2 = 0.0;
+  for (std::size_t i = first; i < count; ++i) sum_m2 += std::pow(one_m[i] - other_m[i], 2);
+  return count > first ? std::sqrt(sum_m2 / static_cast<double>(count - first)) : 0.0;
+}
+
+// When the robot stands on its feet, half a second after the stand has let go of it.
+std::size_t first_standing_tick(const simulation::Scenario& scenario) {
+  return static_cast<std::size_t>((scenario.initial.release_us.value_or(0) + 500'000) /
+                                  sim_board::SimBoard::kTick_us);
+}
+
+double wall_of_threads_s(const simulation::Scenario& scenario, int threads) {
+  std::vector<std::unique_ptr<simulation::Simulation>> simulations;
+  for (int i = 0; i < threads; ++i) simulations.push_back(std::make_unique<simulation::Simulation>(scenario));
+  const double start_s = wall_s();
+  std::vector<std::jthread> running;
+  for (auto& simulation : simulations) {
+    running.emplace_back([&simulation] {
+      while (!simulation->finished()) simulation->advance();
+    });
+  }
+  running.clear();
+  return wall_s() - start_s;
+}
+
+double two_worlds_speedup(const simulation::Scenario& scenario) {
+  std::vector<double> speedups;
+  for (int repeat = 0; repeat < kSpeedupRepeats; ++repeat) {
+    const double one_s = wall_of_threads_s(scenario, 1);
+    speedups.push_back(2.0 * one_s / wall_of_threads_s(scenario, 2));
+  }
+  std::ranges::sort(speedups);
+  return speedups[kSpeedupRepeats / 2];
+}
+
+}  // namespace
+
+std::vector<BenchStepper> bench_steppers() {
+  std::vector<BenchStepper> steppers;
+  for (const std::string& name : sim_board::stepper_names()) {
+    const sim_board::Stepper stepper = *sim_board::stepper_named(name);
+    if (stepper == sim_board::Stepper::kMujoco && !sim_board::has_mujoco()) continue;
+    steppers.push_back({.name = name, .physics = {.stepper = stepper}});
+    if (stepper == sim_board::Stepper::kWorld) {
+      steppers.push_back({.name = "world_rows",
+                          .physics = {.stepper = stepper, .friction = sim_board::FrictionMethod::kRows}});
+    }
+  }
+  return steppers;
+}
+
+std::vector<BenchResult> bench(const BenchOptions& options,
+                               const std::function<void(const std::string&)>& tell) {
+  std::vector<BenchResult> results;
+  for (const BenchStepper& stepper : options.steppers) {
+    tell("memory of a world, " + stepper.name);
+    results.emplace_back().stepper = stepper;
+    results.back().memory_bytes = memory_of_world_bytes(read(options.walk, stepper.physics, 0.5));
+  }
+  std::vector<std::unique_ptr<Trial>> walks;
+  std::vector<std::unique_ptr<Trial>> squats;
+  for (const BenchStepper& stepper : options.steppers) {
+    walks.push_back(std::make_unique<Trial>(read(options.walk, stepper.physics, options.duration_s)));
+    squats.push_back(std::make_unique<Trial>(read(options.squat, stepper.physics, options.duration_s)));
+  }
+  tell("closed loop, all steppers in turns");
+  for (double done_s = 0.0; done_s < options.duration_s; done_s += 1e-6 * kSlice_us) {
+    for (auto& trial : walks) trial->advance(kSlice_us);
+    for (auto& trial : squats) trial->advance(kSlice_us);
+  }
+  tell("reference of the squats");
+  const std::vector<double> reference_m = reference_heights_m(options);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    BenchResult& result = results[i];
+    const simulation::Scenario squat = read(options.squat, result.stepper.physics, kSpeedup_s);
+    result.walk = walks[i]->result();
+    result.squat = squats[i]->result();
+    result.squat_base_height_rms_m = rms_m(squats[i]->heights_m(), reference_m, first_standing_tick(squat));
+    result.squat_foot_slip_m = squats[i]->foot_slip_m();
+    tell("two worlds, " + result.stepper.name);
+    result.two_worlds_speedup = two_worlds_speedup(squat);
+  }
+  return results;
+}
+
+const BenchResult* fastest_accurate(const std::vector<BenchResult>& results) {
+  const BenchResult* fastest = nullptr;
+  for (const BenchResult& result : results) {
+    if (!result.stepper.is_ode() || !result.accurate()) continue;
+    if (fastest == nullptr || result.walk.real_time_factor > fastest->walk.real_time_factor)
+      fastest = &result;
+  }
+  return fastest;
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,55 @@
+#include "sim_board/description/description.h"
+
+#include <algorithm>
+
+namespace koboshi::sim_board {
+namespace {
+
+template <class Part>
+std::optional<int> find_named(const std::vector<Part>& parts, const std::string& name) {
+  const auto place =
+      std::find_if(parts.begin(), parts.end(), [&](const Part& part) { return part.name == name; });
+  if (place == parts.end()) return std::nullopt;
+  return static_cast<int>(place - parts.begin());
+}
+
+template <class Part>
+std::vector<std::string> names_of(const std::vector<Part>& parts) {
+  std::vector<std::string> names;
+  for (const Part& part : parts) names.push_back(part.name);
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::string> RobotDescription::joint_names() const { return names_of(joints); }
+
+std::vector<std::string> RobotDescription::link_names() const { return names_of(links); }
+
+double RobotDescription::total_mass_kg() const {
+  double mass_kg = 0.0;
+  for (const LinkDescription& link : links) mass_kg += link.mass_kg;
+  return mass_kg;
+}
+
+std::optional<int> RobotDescription::find_joint(const std::string& joint_name) const {
+  return find_named(joints, joint_name);
+}
+
+std::optional<int> RobotDescription::find_link(const std::string& link_name) const {
+  return find_named(links, link_name);
+}
+
+std::vector<MirroredJoint> RobotDescription::find_joints(const std::string& joint_name) const {
+  if (const auto joint = find_joint(joint_name)) return {{*joint}};
+  const auto left = find_joint("left_" + joint_name);
+  const auto right = find_joint("right_" + joint_name);
+  if (!left || !right) return {};
+  const Eigen::Vector3d mirrored_M = mirrored_axis(joints[static_cast<std::size_t>(*left)].axis_M);
+  const bool same = mirrored_M.dot(joints[static_cast<std::size_t>(*right)].axis_M) >= 0.0;
+  return {{*left}, {*right, same ? 1 : -1}};
+}
+
+Eigen::Vector3d mirrored_axis(const Eigen::Vector3d& axis) { return {-axis.x(), axis.y(), -axis.z()}; }
+
+}  // namespace koboshi::sim_board

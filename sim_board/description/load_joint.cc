@@ -1,0 +1,61 @@
+#include <cmath>
+
+#include "sim_board/description/load_parts.h"
+#include "sim_board/description/schema/sdf_version.h"
+
+namespace koboshi::sim_board {
+namespace {
+
+DriveDescription load_drive(const XmlNode& node) {
+  DriveDescription drive;
+  drive.node_id = static_cast<std::uint8_t>(node.attribute_integer("node_id"));
+  drive.vendor_id = static_cast<std::uint32_t>(node.attribute_integer("vendor_id", drive.vendor_id));
+  drive.product_code = static_cast<std::uint32_t>(node.attribute_integer("product_code", drive.product_code));
+  drive.serial_number = static_cast<std::uint32_t>(node.attribute_integer("serial_number"));
+  drive.sign = static_cast<int>(node.attribute_integer("sign", drive.sign));
+  drive.zero_rad = node.attribute_number("zero_rad", 0.0);
+  return drive;
+}
+
+EncoderDescription load_encoder(const XmlNode& node) {
+  return {.bits = static_cast<int>(node.attribute_integer("bits")),
+          .offset_rad = node.attribute_number("offset_rad", 0.0),
+          .noise_counts = node.attribute_number("noise_counts", 0.0)};
+}
+
+// Unit vector along the axis of a joint, in the model's frame.
+Eigen::Vector3d axis_of(const XmlNode& axis, const std::string& joint, const ModelFrames& frames) {
+  const std::vector<double> xyz = axis.child("xyz").numbers();
+  const double length = std::sqrt(xyz[0] * xyz[0] + xyz[1] * xyz[1] + xyz[2] * xyz[2]);
+  const Eigen::Vector3d unit(xyz[0] / length, xyz[1] / length, xyz[2] / length);
+  const auto reference = find_axis_frame(axis);
+  return frames.pose(reference ? reference->frame : joint, kModelFrame).rotation.rotate(unit).normalized();
+}
+
+}  // namespace
+
+JointDescription load_joint(const XmlNode& node, const ModelFrames& frames, const RobotDescription& robot,
+                            const ServoTypes& servo_types) {
+  JointDescription description;
+  description.name = node.attribute("name");
+  description.line = node.line();
+  description.parent = found_link(robot, node.child("parent"), frames);
+  description.child = found_link(robot, node.child("child"), frames);
+  description.p_MJ = frames.pose(description.name, kModelFrame).position;
+  const XmlNode axis = node.child("axis");
+  description.axis_M = axis_of(axis, description.name, frames);
+  description.lower_rad = axis.child("limit").number("lower");
+  description.upper_rad = axis.child("limit").number("upper");
+  description.max_speed_rad_per_s = axis.child("limit").number("velocity");
+
+  const XmlNode servo = node.child("koboshi:servo");
+  const auto type = servo_types.find(servo.attribute("type"));
+  if (type == servo_types.end())
+    throw servo.error("type = " + one_line(servo.attribute("type")), "the name of a koboshi:servo_type");
+  description.servo = type->second;
+  description.encoder = load_encoder(node.child("koboshi:encoder"));
+  description.drive = load_drive(node.child("koboshi:drive"));
+  return description;
+}
+
+}  // namespace koboshi::sim_board

@@ -1,0 +1,101 @@
+// The keys of a joint: axis, limits, servo, encoder, drive.
+
+#include "sim_board/description/schema/schema_rules.h"
+
+namespace koboshi::sim_board {
+namespace {
+
+using enum XmlContent;
+using enum XmlCount;
+
+XmlRule axis() {
+  constexpr NumberRange kLimit_rad{.min = -1000, .max = 1000};
+  XmlRule xyz =
+      numbers_rule("xyz", kRequired, 3, {.min = -1, .max = 1},
+                   {"1", "", "unit vector along the axis, about which the joint turns right-handed", kSdf});
+  xyz.attributes = {text_attribute(
+      "expressed_in", false,
+      {.meaning =
+           "name of the link, joint or frame in whose axes the vector is given; without it, the joint's own",
+       .source = kSdf})};
+  return group_rule(
+      "axis", kRequired, {.meaning = "axis and range of the joint", .source = kSdf},
+      {std::move(xyz),
+       group_rule("limit", kRequired, {.meaning = "range and speed", .source = kSdf},
+                  {number_rule("lower", kRequired, kLimit_rad,
+                               {"rad", "", "lower end of the range, below the upper one", kSdf}),
+                   number_rule("upper", kRequired, kLimit_rad, {"rad", "", "upper end of the range", kSdf}),
+                   number_rule("velocity", kRequired, {.min = 1e-3, .max = 1000},
+                               {"rad/s", "", "largest speed", kSdf})}),
+       text_rule("use_parent_model_frame", kOptional,
+                 {.fallback = "false",
+                  .meaning = "expressed_in=\"__model__\" in files of SDF 1.5 and 1.6",
+                  .source = "SDF 1.6"},
+                 {"true", "false", "1", "0", "True", "False", "TRUE", "FALSE"})});
+}
+
+XmlRule servo() {
+  return attributes_rule(
+      "koboshi:servo", kRequired, {.meaning = "servo of the joint", .source = kServoPage},
+      {text_attribute("type", true,
+                      {.meaning = "name of a koboshi:servo_type of this file or of an included library",
+                       .source = kServoPage})});
+}
+
+XmlRule encoder() {
+  return attributes_rule("koboshi:encoder", kRequired,
+                         {.meaning = "encoder on the output shaft", .source = kServoPage},
+                         {integer_attribute("bits", true, {.min = 8, .max = 24},
+                                            {"1", "", "a turn has 2^bits counts", kServoPage}),
+                          number_attribute("offset_rad", false, {.min = -1, .max = 1},
+                                           {"rad", "0", "error of the encoder's mounting", kServoPage}),
+                          number_attribute("noise_counts", false, {.min = 0, .max = 1e4},
+                                           {"counts", "0", "standard deviation of a sample", kServoPage})});
+}
+
+XmlRule drive() {
+  constexpr NumberRange kUnsigned32{.min = 0, .max = 4294967295.0};
+  return attributes_rule(
+      "koboshi:drive", kRequired,
+      {.meaning = "CANopen node of the joint's drive", .source = "CiA 301; CiA 402"},
+      {integer_attribute(
+           "node_id", true, {.min = 1, .max = 127},
+           {"1", "", "node id, unique; the joints' order is that of their node ids", "CiA 301"}),
+       integer_attribute(
+           "vendor_id", false, kUnsigned32,
+           {"1", "1263485513", "vendor id; the default, 4B4F4249h, belongs to nobody", kCanopen}),
+       integer_attribute("product_code", false, kUnsigned32, {"1", "1", "product code", kCanopen}),
+       integer_attribute("serial_number", true, kUnsigned32, {"1", "", "serial number", kCanopen}),
+       {"sign",
+        kInteger,
+        false,
+        {},
+        {"1", "-1"},
+        {"1", "1", "shaft angle = sign * joint angle + zero_rad", "frames.md"}},
+       number_attribute(
+           "zero_rad", false, {.min = -3.2, .max = 3.2},
+           {"rad", "0",
+            "shaft angle at joint angle zero; the shaft must stay within half a turn to either side",
+            "frames.md"})});
+}
+
+}  // namespace
+
+XmlRule joint_rule() {
+  return group_rule(
+      "joint", kRepeated,
+      {.meaning = "a hinge between two links; the joints form one tree of all links", .source = kSdf},
+      {pose_rule("the frame that child names"),
+       text_rule("parent", kRequired,
+                 {.meaning = "name of the link on the trunk's side, or of a frame that is attached to it",
+                  .source = kSdf}),
+       text_rule("child", kRequired,
+                 {.meaning = "name of the link that the joint moves, or of a frame that is attached to it",
+                  .source = kSdf}),
+       axis(), servo(), encoder(), drive(), force_torque_rule()},
+      {name_attribute(
+           "name of the joint, unique among links, joints and frames; `left_` and `right_` mark the sides"),
+       text_attribute("type", true, {.meaning = "kind of joint", .source = kSdf}, {"revolute"})});
+}
+
+}  // namespace koboshi::sim_board

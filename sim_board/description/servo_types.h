@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "base/xml/xml_reader.h"
+#include "sim_board/description/description.h"
+
+namespace koboshi::sim_board {
+
+using ServoTypes = std::map<std::string, ServoDescription>;
+
+// The libraries of servo types that a robot's file includes. Each is read and parsed once.
+class ServoLibraries {
+ public:
+  // Throws InputError if the file cannot be read or violates its schema.
+  const XmlFile& open(const std::filesystem::path& file);
+
+ private:
+  std::map<std::filesystem::path, XmlFile> files_;
+};
+
+// Reads the servo types of a file, by name: those that a robot file (SDF) defines or imports, or those of a
+// library such as robots/servos/bam.xml. Throws InputError with the line.
+ServoTypes read_servo_types(const std::filesystem::path& file);
+
+}  // namespace koboshi::sim_board

@@ -1,0 +1,37 @@
+#include "simulation/assembly/bare_board.h"
+
+#include "base/text/error.h"
+#include "simulation/scenario/reader.h"
+
+namespace koboshi::simulation {
+namespace {
+
+const Scenario& without_controller(const Scenario& scenario) {
+  const char* found = !scenario.commands.empty()     ? "commands"
+                      : !scenario.parameters.empty() ? "parameters"
+                      : !scenario.motions.empty()    ? "motions"
+                      : scenario.gait                ? "a gait"
+                                                     : nullptr;
+  if (found != nullptr)
+    throw InputError(scenario.file, 0, found, "none of them: a board without controller has no use for them");
+  return scenario;
+}
+
+}  // namespace
+
+void BareBoard::NoController::exchange(const hal::BatchInput&, hal::BatchOutput& output) {
+  output = {};
+  output.watchdog_kicked = true;
+  output.drive_enabled = true;
+}
+
+BareBoard::BareBoard(const Scenario& scenario)
+    : scenario_(without_controller(scenario)), robot_(read_robot(scenario_)) {
+  sim_board::BoardOptions options = board_options(scenario_, robot_);
+  options.sensors_on_bus = true;
+  board_ = make_board(scenario_, robot_, options, host_);
+  board_->unplug_controller();
+  player_ = std::make_unique<ScenarioPlayer>(scenario_, *board_);
+}
+
+}  // namespace koboshi::simulation

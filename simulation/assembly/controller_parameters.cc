@@ -1,0 +1,118 @@
+#include "simulation/assembly/controller_parameters.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "firmware/app/controller_objects.h"
+#include "firmware/canopen/dictionary.h"
+
+namespace koboshi::simulation {
+namespace {
+
+std::string replaced(std::string text, std::string_view from, std::string_view to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+// Returns the object's name in the dictionary, in lower case and with underscores.
+std::string parameter_name(const canopen::DescribedObject& object, std::size_t element) {
+  std::string name(object.text.name);
+  if (object.entry.count > 1) name.append(" ").append(object.text.elements[element]);
+  for (char& c : name) {
+    c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? static_cast<char>(std::tolower(c)) : '_';
+  }
+  return name;
+}
+
+// Objects that PDOs write, such as requests and feedback from drives, are not parameters.
+bool is_parameter(const canopen::DescribedObject& object) {
+  if (object.is_heading() || object.entry.access != canopen::Access::kReadWrite) return false;
+  if (object.entry.mappable != canopen::Mappable::kNo) return false;
+  return object.entry.count <= 1 || !object.text.elements.empty();
+}
+
+std::vector<Parameter> make_parameters() {
+  std::vector<Parameter> parameters;
+  const canopen::DescribedObject* heading = nullptr;
+  for (const canopen::DescribedObject& object : app::kControllerObjects) {
+    if (object.is_heading()) heading = &object;
+    if (!is_parameter(object)) continue;
+    const bool is_headed = heading != nullptr && heading->entry.index == object.entry.index;
+    const std::string suffix = unit_suffix(object.text.unit.name);
+    for (std::uint8_t element = 0; element < object.entry.count; ++element) {
+      const std::string name = parameter_name(object, element);
+      parameters.push_back({.key = suffix.empty() ? name : name + "_" + suffix,
+                            .name_without_unit = name,
+                            .object = &object,
+                            .heading = is_headed ? heading : nullptr,
+                            .element = element});
+    }
+  }
+  std::ranges::sort(parameters, {}, &Parameter::key);
+  return parameters;
+}
+
+}  // namespace
+
+canopen::ObjectAddress Parameter::address() const {
+  return {object->entry.index, static_cast<std::uint8_t>(object->entry.subindex + element)};
+}
+
+double Parameter::raw_per_unit() const {
+  return static_cast<double>(object->text.unit.denominator) / object->text.unit.numerator;
+}
+
+std::int64_t Parameter::low() const {
+  const canopen::Entry& entry = object->entry;
+  const bool is_signed = canopen::is_signed(entry.type);
+  if (entry.limited) return is_signed ? static_cast<std::int32_t>(entry.low) : std::int64_t{entry.low};
+  return is_signed ? -(std::int64_t{1} << (8 * canopen::size_bytes(entry.type) - 1)) : 0;
+}
+
+std::int64_t Parameter::high() const {
+  const canopen::Entry& entry = object->entry;
+  const bool is_signed = canopen::is_signed(entry.type);
+  if (entry.limited) return is_signed ? static_cast<std::int32_t>(entry.high) : std::int64_t{entry.high};
+  return (std::int64_t{1} << (8 * canopen::size_bytes(entry.type) - (is_signed ? 1 : 0))) - 1;
+}
+
+std::string_view Parameter::effect() const {
+  if (!object->text.effect.empty()) return object->text.effect;
+  if (heading != nullptr && !heading->text.effect.empty()) return heading->text.effect;
+  return "at once";
+}
+
+std::int64_t Parameter::raw(double value) const { return std::llround(value * raw_per_unit()); }
+
+double Parameter::value(std::int64_t raw) const { return static_cast<double>(raw) / raw_per_unit(); }
+
+std::optional<double> value_in(const app::ControllerValues& values, const Parameter& parameter) {
+  app::ControllerValues copy = values;
+  const canopen::Dictionary dictionary(app::kControllerNode.rows,
+                                       std::as_writable_bytes(std::span(&copy, 1)));
+  canopen::ObjectValue value;
+  if (dictionary.read(parameter.address(), value) != canopen::AbortCode::kNone) return std::nullopt;
+  const canopen::DataType type = parameter.object->entry.type;
+  const int spare_bits = 32 - 8 * canopen::size_bytes(type);
+  const std::int64_t raw = canopen::is_signed(type)
+                               ? static_cast<std::int32_t>(value.number() << spare_bits) >> spare_bits
+                               : std::int64_t{value.number()};
+  if (raw < parameter.low() || raw > parameter.high()) return std::nullopt;
+  return parameter.value(raw);
+}
+
+std::span<const Parameter> controller_parameters() {
+  static const std::vector<Parameter> kParameters = make_parameters();
+  return kParameters;
+}
+
+std::string unit_suffix(std::string_view unit) {
+  if (unit == "N m") return "Nm";
+  return replaced(replaced(replaced(replaced(std::string(unit), "%", "percent"), "^", ""), "/", "_per_"), " ",
+                  "_");
+}
+
+}  // namespace koboshi::simulation

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "sim_board/description/description.h"
+#include "simulation/gait/gait_plan.h"
+#include "simulation/model/robot_model.h"
+#include "simulation/scenario/scenario.h"
+
+namespace koboshi::simulation {
+
+// A scenario with all its files read and compiled, ready for power-on.
+struct PreparedScenario {
+  Scenario scenario;                  // including the items that its gait adds
+  sim_board::RobotDescription robot;  // as described in its file
+  NamedModel model{};
+  std::optional<GaitPlan> gait_plan{};  // the reference of the gait
+  std::vector<std::byte> storage_contents{};
+};
+
+// Reads and compiles a scenario. Throws InputError for an error in any of its files.
+PreparedScenario prepare(const Scenario& scenario);
+
+}  // namespace koboshi::simulation

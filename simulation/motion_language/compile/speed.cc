@@ -1,0 +1,146 @@
+#include "simulation/motion_language/compile/speed.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "base/text/text.h"
+#include "base/text/user_units.h"
+#include "firmware/fixed/host/convert.h"
+#include "simulation/motion_language/parse/codes.h"
+
+namespace koboshi::simulation {
+namespace {
+
+// Peak speed over mean speed: linear, minimum jerk (Flash and Hogan 1985), and a cubic from rest to rest.
+constexpr std::array<double, 3> kPeakRatios{1.0, 15.0 / 8.0, 3.0 / 2.0};
+constexpr double kSpeedUnit_rad_per_s = 2.0 * std::numbers::pi / (1 << 24);
+
+// Bounds the work for nested loops, each of which is walked twice.
+constexpr std::size_t kMaxWalked = 100'000;
+
+class SpeedCheck {
+ public:
+  SpeedCheck(const MotionSource& motion, const NamedModel& robot, Diagnostics& diagnostics)
+      : motion_(motion), robot_(robot), diagnostics_(diagnostics), angles_(robot.joint_names.size()) {}
+
+  void routine(const std::vector<StepSource>& steps) {
+    forget();
+    walk(steps);
+  }
+
+ private:
+  using Kind = StepSource::Kind;
+  using Angles = std::vector<std::optional<fixed::Angle>>;
+
+  void forget() { angles_.assign(angles_.size(), std::nullopt); }
+
+  void walk(const std::vector<StepSource>& steps) {
+    for (const StepSource& step : steps) {
+      if (++walked_ > kMaxWalked) return;
+      switch (step.kind) {
+        case Kind::kMove:
+          move(step);
+          break;
+        case Kind::kLabel:
+        case Kind::kCall:
+          forget();
+          break;
+        case Kind::kLoop:
+          loop(step);
+          break;
+        case Kind::kIf:
+          branch(step);
+          break;
+        default:
+          break;
+      }
+    }
+  }
+
+  void loop(const StepSource& step) {
+    const Angles before = angles_;
+    walk(step.body);
+    // The second pass starts from the pose at the end of the body.
+    const bool repeats = step.loop != StepSource::LoopKind::kTimes || step.times != 1;
+    if (repeats && diagnostics_.error_count() == 0) walk(step.body);
+    if (step.loop == StepSource::LoopKind::kWhile) merge(before);
+  }
+
+  void branch(const StepSource& step) {
+    const Angles before = angles_;
+    walk(step.body);
+    const Angles after = angles_;
+    angles_ = before;
+    walk(step.otherwise);
+    merge(after);
+  }
+
+  void merge(const Angles& other) {
+    for (std::size_t i = 0; i < angles_.size(); ++i) {
+      if (angles_[i] != other[i]) angles_[i].reset();
+    }
+  }
+
+  void move(const StepSource& step) {
+    const PoseSource& pose = motion_.poses[step.pose];
+    const double time_s = time_of(step, pose);
+    for (std::size_t i = 0; i < angles_.size(); ++i) {
+      if (!pose.angles[i]) continue;
+      if (angles_[i]) check_joint(step, i, distance_rad(i, pose), time_s);
+      angles_[i] = pose.angles[i];
+    }
+  }
+
+  double distance_rad(std::size_t joint, const PoseSource& pose) const {
+    return std::abs(fixed::to_double(*pose.angles[joint]) - fixed::to_double(*angles_[joint]));
+  }
+
+  static double peak_ratio(const StepSource& step) {
+    return kPeakRatios.at(static_cast<std::size_t>(step.interpolation));
+  }
+
+  // The duration of a move; 0 if it follows from an unknown angle.
+  double time_of(const StepSource& step, const PoseSource& pose) const {
+    if (step.speed_raw == 0) return step.time_us * 1e-6;
+    double farthest_rad = 0.0;
+    for (std::size_t i = 0; i < angles_.size(); ++i) {
+      if (!pose.angles[i]) continue;
+      if (!angles_[i]) return 0.0;
+      farthest_rad = std::max(farthest_rad, distance_rad(i, pose));
+    }
+    return std::max(peak_ratio(step) * farthest_rad / (step.speed_raw * kSpeedUnit_rad_per_s),
+                    motion::kMinStepTime_us * 1e-6);
+  }
+
+  void check_joint(const StepSource& step, std::size_t joint, double way_rad, double time_s) {
+    if (time_s == 0.0) return;
+    const double speed_rad_per_s = peak_ratio(step) * way_rad / time_s;
+    const double limit_rad_per_s = fixed::to_double(robot_.model.joints[joint].max_speed);
+    if (speed_rad_per_s <= limit_rad_per_s * (1.0 + 1e-9)) return;
+    const auto text = [](double rad_per_s) { return number_text(std::round(rad_per_s * kDegreesPerRad)); };
+    diagnostics_.add(
+        {.code = code::kTooFast,
+         .place = step.place,
+         .found = "a move of " + robot_.joint_names[joint] + " at " + text(speed_rad_per_s) + " degrees/s",
+         .expected = "at most " + text(limit_rad_per_s),
+         .limit = "the speed of " + robot_.joint_names[joint]});
+  }
+
+  const MotionSource& motion_;
+  const NamedModel& robot_;
+  Diagnostics& diagnostics_;
+  Angles angles_;
+  std::size_t walked_ = 0;
+};
+
+}  // namespace
+
+void check_speeds(const MotionSource& motion, const NamedModel& robot, Diagnostics& diagnostics) {
+  SpeedCheck check(motion, robot, diagnostics);
+  check.routine(motion.steps);
+  for (const RoutineSource& routine : motion.routines) check.routine(routine.steps);
+}
+
+}  // namespace koboshi::simulation

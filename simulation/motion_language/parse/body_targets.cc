@@ -1,0 +1,366 @@
+#include "simulation/motion_language/parse/body_targets.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "firmware/fixed/host/convert.h"
+#include "firmware/robot/kinematics.h"
+#include "firmware/robot/leg.h"
+
+namespace koboshi::simulation {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using fixed::Angle;
+using fixed::to_double;
+using robot::JointRole;
+using Support = BodyTargets::Support;
+
+constexpr int kMaxCorrections = 60;
+constexpr int kMaxArmSteps = 100;
+// Residuals that count as reached: half of the change that one step of a 12 bit encoder makes at the foot.
+constexpr double kReached_m = 2e-4;
+constexpr double kReached_rad = 1e-3;
+constexpr double kConverged_m = 2e-6;
+constexpr double kDamping_m = 2e-3;  // of the least squares
+constexpr double kMaxArmStep_rad = 0.4;
+constexpr std::size_t kArmJoints = 3;
+
+Vector3d vector_of(const robot::Position& p) { return {to_double(p.x), to_double(p.y), to_double(p.z)}; }
+Vector3d vector_of(const robot::Direction& v) { return {to_double(v.x), to_double(v.y), to_double(v.z)}; }
+
+Isometry3d isometry_of(const robot::Pose& pose) {
+  Isometry3d X = Isometry3d::Identity();
+  for (int row = 0; row < 3; ++row) {
+    X.linear().row(row) = vector_of(pose.R.rows[static_cast<std::size_t>(row)]).transpose();
+  }
+  X.translation() = vector_of(pose.p);
+  return X;
+}
+
+robot::Pose fixed_pose(const Isometry3d& X) {
+  robot::Pose pose;
+  const auto ratio = [](double value) { return fixed::from_double<fixed::Ratio>(value); };
+  const auto length = [](double value) { return fixed::from_double<fixed::Length>(value); };
+  for (int row = 0; row < 3; ++row) {
+    pose.R.rows[static_cast<std::size_t>(row)] = {ratio(X.linear()(row, 0)), ratio(X.linear()(row, 1)),
+                                                  ratio(X.linear()(row, 2))};
+  }
+  pose.p = {length(X.translation().x()), length(X.translation().y()), length(X.translation().z())};
+  return pose;
+}
+
+Matrix3d rotation_of(const Vector3d& rpy) {
+  return (Eigen::AngleAxisd(rpy.z(), Vector3d::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vector3d::UnitY()) *
+          Eigen::AngleAxisd(rpy.x(), Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+Vector3d rpy_of(const Matrix3d& R) {
+  return {std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
+          std::atan2(R(1, 0), R(0, 0))};
+}
+
+Isometry3d with_target(const Isometry3d& X, const Target& target) {
+  Vector3d p = X.translation();
+  Vector3d rpy = rpy_of(X.linear());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto index = static_cast<Eigen::Index>(axis);
+    if (target.position_m[axis]) p[index] = *target.position_m[axis];
+    if (target.rpy_rad[axis]) rpy[index] = *target.rpy_rad[axis];
+  }
+  Isometry3d result = Isometry3d::Identity();
+  result.linear() = rotation_of(rpy);
+  result.translation() = p;
+  return result;
+}
+
+// Midway between two soles; its axes are the mean of theirs.
+Isometry3d midway(const Isometry3d& left, const Isometry3d& right) {
+  Isometry3d X = Isometry3d::Identity();
+  X.translation() = 0.5 * (left.translation() + right.translation());
+  const Vector3d z = (left.linear().col(2) + right.linear().col(2)).normalized();
+  const Vector3d along = left.linear().col(0) + right.linear().col(0);
+  const Vector3d x = (along - along.dot(z) * z).normalized();
+  X.linear() << x, z.cross(x), z;
+  return X;
+}
+
+// The three joints of an arm and the tip of its hand.
+class Arm {
+ public:
+  Arm(const NamedModel& robot, std::size_t side) : model_(robot.model) {
+    const JointRole first = side == 0 ? JointRole::kLeftShoulderPitch : JointRole::kRightShoulderPitch;
+    for (std::size_t i = 0; i < kArmJoints; ++i) {
+      const auto joint = model_.find(static_cast<JointRole>(static_cast<std::size_t>(first) + i));
+      if (!joint) return;
+      joints_.push_back(*joint);
+    }
+    if (robot.hands[side]) tip_ = vector_of(*robot.hands[side]);
+    is_complete_ = robot.hands[side].has_value();
+  }
+
+  bool is_complete() const { return is_complete_; }
+  std::span<const std::size_t> joints() const { return joints_; }
+
+  Vector3d tip_B(std::span<const Angle> angles) const {
+    Vector3d q = angles_of(angles);
+    return chain(q).tip;
+  }
+
+  // Moves the arm's angles towards the target; returns the distance that is left.
+  double reach(const Vector3d& target_B, std::span<Angle> angles) const {
+    const Vector3d from = angles_of(angles);
+    Vector3d best = from;
+    double distance_m = solve(target_B, best);
+    // Other poses of the arm, where the first leads into a limit.
+    for (const double share : {0.5, 0.25, 0.75}) {
+      if (distance_m < kReached_m) break;
+      Vector3d q = lower() + share * (upper() - lower());
+      const double other_m = solve(target_B, q);
+      if (other_m >= distance_m) continue;
+      distance_m = other_m;
+      best = q;
+    }
+    for (std::size_t i = 0; i < kArmJoints; ++i) {
+      angles[joints_[i]] = robot::clamp_to_limits(
+          model_.joints[joints_[i]], fixed::from_double<Angle>(best[static_cast<Eigen::Index>(i)]));
+    }
+    return distance_m;
+  }
+
+ private:
+  struct Chain {
+    std::array<Vector3d, kArmJoints> anchors;
+    std::array<Vector3d, kArmJoints> axes;
+    Vector3d tip;
+  };
+
+  Vector3d angles_of(std::span<const Angle> angles) const {
+    return {to_double(angles[joints_[0]]), to_double(angles[joints_[1]]), to_double(angles[joints_[2]])};
+  }
+  Vector3d limits(Angle robot::Joint::*which) const {
+    return {to_double(model_.joints[joints_[0]].*which), to_double(model_.joints[joints_[1]].*which),
+            to_double(model_.joints[joints_[2]].*which)};
+  }
+  Vector3d lower() const { return limits(&robot::Joint::lower); }
+  Vector3d upper() const { return limits(&robot::Joint::upper); }
+
+  Chain chain(const Vector3d& q) const {
+    Chain result;
+    Isometry3d X = Isometry3d::Identity();
+    for (std::size_t i = 0; i < kArmJoints; ++i) {
+      const robot::Joint& joint = model_.joints[joints_[i]];
+      const Vector3d axis = vector_of(joint.axis);
+      X.translate(vector_of(joint.anchor));
+      result.anchors[i] = X.translation();
+      result.axes[i] = X.linear() * axis;
+      X.rotate(Eigen::AngleAxisd(q[static_cast<Eigen::Index>(i)], axis));
+    }
+    result.tip = X * tip_;
+    return result;
+  }
+
+  // Damped least squares (Wampler 1986) with joints that stay at their limits while the step leads beyond.
+  double solve(const Vector3d& target_B, Vector3d& q) const {
+    const Vector3d least = lower();
+    const Vector3d most = upper();
+    double best_m = std::numeric_limits<double>::infinity();
+    Vector3d best = q;
+    for (int step = 0; step < kMaxArmSteps; ++step) {
+      const Chain now = chain(q);
+      const Vector3d error = target_B - now.tip;
+      if (error.norm() < best_m) {
+        best_m = error.norm();
+        best = q;
+      }
+      if (best_m < kConverged_m) break;
+      Matrix3d J;
+      for (std::size_t i = 0; i < kArmJoints; ++i) {
+        J.col(static_cast<Eigen::Index>(i)) = now.axes[i].cross(now.tip - now.anchors[i]);
+      }
+      for (int pass = 0; pass < 3; ++pass) {
+        const double damping = std::min(kDamping_m, error.norm());
+        Vector3d change = J.transpose() *
+                          (J * J.transpose() + damping * damping * Matrix3d::Identity()).ldlt().solve(error);
+        const double longest = change.cwiseAbs().maxCoeff();
+        if (longest > kMaxArmStep_rad) change *= kMaxArmStep_rad / longest;
+        bool blocked = false;
+        for (Eigen::Index i = 0; i < 3; ++i) {
+          const bool outward = (q[i] >= most[i] && change[i] > 0.0) || (q[i] <= least[i] && change[i] < 0.0);
+          if (outward && !J.col(i).isZero()) {
+            J.col(i).setZero();
+            blocked = true;
+          }
+        }
+        if (blocked) continue;
+        q = (q + change).cwiseMax(least).cwiseMin(most);
+        break;
+      }
+    }
+    q = best;
+    return best_m;
+  }
+
+  const robot::RobotModel& model_;
+  std::vector<std::size_t> joints_;
+  Vector3d tip_ = Vector3d::Zero();
+  bool is_complete_ = false;
+};
+
+class BodySolver {
+ public:
+  BodySolver(const NamedModel& robot, const BodyTargets& targets, std::span<const Angle> angles)
+      : robot_(robot), targets_(targets), arms_{Arm(robot, 0), Arm(robot, 1)} {
+    result_.angles.assign(angles.begin(), angles.end());
+  }
+
+  BodySolution solve() {
+    place_frames();
+    for (int round = 0; round < kMaxCorrections; ++round) {
+      solve_legs();
+      solve_arms();
+      if (!correct_com()) break;
+    }
+    // After the last correction, which may be one of the position in the quantisation of the angles.
+    solve_legs();
+    solve_arms();
+    report();
+    return std::move(result_);
+  }
+
+ private:
+  void place_frames() {
+    robot::LinkPoses X_BLinks;
+    robot::forward_kinematics(robot_.model, result_.angles, X_BLinks);
+    std::array<Isometry3d, 2> X_BSoles;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const auto which = static_cast<hal::Side>(side);
+      X_BSoles[side] = isometry_of(robot::sole_pose(robot_.model, which, X_BLinks));
+      legs_ok_ = robot::make_leg_geometry(robot_.model, which, legs_[side]) && legs_ok_;
+    }
+    hip_centre_B_ = 0.5 * (vector_of(legs_[0].p_BH_B) + vector_of(legs_[1].p_BH_B));
+    const Isometry3d X_BS = targets_.support == Support::kLeft    ? X_BSoles[0]
+                            : targets_.support == Support::kRight ? X_BSoles[1]
+                                                                  : midway(X_BSoles[0], X_BSoles[1]);
+    const Isometry3d X_SB = X_BS.inverse();
+    for (std::size_t side = 0; side < 2; ++side) {
+      X_SSoles_[side] = X_SB * X_BSoles[side];
+      if (targets_.feet[side].is_given()) X_SSoles_[side] = with_target(X_SSoles_[side], targets_.feet[side]);
+    }
+    X_SHip_ = X_SB * Eigen::Translation3d(hip_centre_B_);
+    if (targets_.trunk.is_given()) X_SHip_ = with_target(X_SHip_, targets_.trunk);
+  }
+
+  Isometry3d X_SB() const { return X_SHip_ * Eigen::Translation3d(-hip_centre_B_); }
+
+  void solve_legs() {
+    if (!targets_.moves_legs()) return;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Isometry3d X_BSole = X_SB().inverse() * X_SSoles_[side];
+      const robot::LegAngles leg =
+          robot::leg_inverse_kinematics(robot_.model, legs_[side], fixed_pose(X_BSole));
+      for (std::size_t i = 0; i < robot::kLegJoints; ++i) {
+        result_.angles[legs_[side].joints[i]] = leg.angles[i];
+        result_.joints |= 1u << legs_[side].joints[i];
+      }
+    }
+  }
+
+  void solve_arms() {
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (!targets_.hands[side].is_given() || !arms_[side].is_complete()) continue;
+      const Isometry3d now = X_SB() * Eigen::Translation3d(arms_[side].tip_B(result_.angles));
+      if (!hand_targets_S_[side])
+        hand_targets_S_[side] = with_target(now, targets_.hands[side]).translation();
+      hand_missing_m_[side] = arms_[side].reach(X_SB().inverse() * *hand_targets_S_[side], result_.angles);
+      for (const std::size_t joint : arms_[side].joints()) result_.joints |= 1u << joint;
+    }
+  }
+
+  Vector3d com_error() const {
+    robot::LinkPoses X_BLinks;
+    robot::forward_kinematics(robot_.model, result_.angles, X_BLinks);
+    const Vector3d com = X_SB() * vector_of(robot::centre_of_mass(robot_.model, X_BLinks));
+    Vector3d error = Vector3d::Zero();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto index = static_cast<Eigen::Index>(axis);
+      if (targets_.com.position_m[axis]) error[index] = *targets_.com.position_m[axis] - com[index];
+    }
+    return error;
+  }
+
+  // Moves the trunk by the error of the centre of mass, which follows it nearly one to one. Returns whether
+  // another round is needed.
+  bool correct_com() {
+    if (!targets_.com.is_given()) return false;
+    const Vector3d error = com_error();
+    if (error.norm() < kConverged_m || error.norm() > 10.0) return false;
+    X_SHip_.translation() += error;
+    return true;
+  }
+
+  void fail(const std::string& target, double missing_m, double missing_rad = 0.0) {
+    if (!result_.unreached.empty()) return;
+    result_.unreached = target;
+    result_.missing_m = missing_m;
+    result_.missing_rad = missing_rad;
+  }
+
+  void report() {
+    robot::LinkPoses X_BLinks;
+    robot::forward_kinematics(robot_.model, result_.angles, X_BLinks);
+    for (std::size_t side = 0; side < 2 && targets_.moves_legs(); ++side) {
+      const Isometry3d X_SSole =
+          X_SB() * isometry_of(robot::sole_pose(robot_.model, static_cast<hal::Side>(side), X_BLinks));
+      const double missing_m = (X_SSole.translation() - X_SSoles_[side].translation()).norm();
+      const double missing_rad =
+          Eigen::AngleAxisd(Matrix3d(X_SSole.linear().transpose() * X_SSoles_[side].linear())).angle();
+      if (missing_m > kReached_m || missing_rad > kReached_rad || !legs_ok_) {
+        fail(side == 0 ? "left_foot" : "right_foot", missing_m, missing_rad);
+      }
+    }
+    if (targets_.com.is_given() && com_error().norm() > kReached_m) fail("com", com_error().norm());
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (!targets_.hands[side].is_given()) continue;
+      const std::string name = side == 0 ? "left_hand" : "right_hand";
+      if (!arms_[side].is_complete()) fail(name, std::numeric_limits<double>::infinity());
+      if (hand_missing_m_[side] > kReached_m) fail(name, hand_missing_m_[side]);
+    }
+  }
+
+  const NamedModel& robot_;
+  const BodyTargets& targets_;
+  std::array<Arm, 2> arms_;
+  std::array<robot::LegGeometry, 2> legs_{};
+  bool legs_ok_ = true;
+  Vector3d hip_centre_B_ = Vector3d::Zero();
+  Isometry3d X_SHip_ = Isometry3d::Identity();  // the trunk's axes in the centre between the hips
+  std::array<Isometry3d, 2> X_SSoles_{Isometry3d::Identity(), Isometry3d::Identity()};
+  std::array<std::optional<Vector3d>, 2> hand_targets_S_{};
+  std::array<double, 2> hand_missing_m_{};
+  BodySolution result_;
+};
+
+}  // namespace
+
+bool Target::is_given() const {
+  const auto has_value = [](const std::optional<double>& value) { return value.has_value(); };
+  return std::any_of(position_m.begin(), position_m.end(), has_value) ||
+         std::any_of(rpy_rad.begin(), rpy_rad.end(), has_value);
+}
+
+bool BodyTargets::moves_legs() const {
+  return trunk.is_given() || com.is_given() || feet[0].is_given() || feet[1].is_given();
+}
+
+BodySolution solve_targets(const NamedModel& robot, const BodyTargets& targets,
+                           std::span<const Angle> angles) {
+  return BodySolver(robot, targets, angles).solve();
+}
+
+}  // namespace koboshi::simulation

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/yaml/yaml_reader.h"
+
+namespace koboshi::simulation {
+
+// Returns the folder of the robots, scenarios and studies that come with the program. It is found from the
+// place of the program or of its Python module: the nearest parent that contains robots/ and scenarios/ (a
+// build in its source tree), or share/koboshi with them (an installation, wherever it was moved). Otherwise
+// the folder that CMake was given, KOBOSHI_DATA_FOLDER.
+std::filesystem::path data_folder();
+
+// Returns the repository of a folder: the folder or its nearest parent that contains robots/ and scenarios/,
+// or else data_folder().
+std::filesystem::path repository_root(const std::filesystem::path& folder);
+
+// Resolves a path that a file in `folder` contains: relative to that folder, then to the repository's root,
+// to the user's data ($XDG_DATA_HOME/koboshi, by default ~/.local/share/koboshi) and to data_folder(). Empty
+// if no such file exists.
+std::filesystem::path find_referenced(const std::filesystem::path& folder, const std::filesystem::path& path);
+
+// Resolves a value that is a path. Throws InputError if the file does not exist.
+std::filesystem::path read_path(const YamlValue& value, const std::filesystem::path& folder);
+
+// What a name stands for: scenarios/NAME.yaml, robots/NAME/robot.sdf (or robot.urdf), robots/NAME/gait.yaml,
+// studies/NAME.yaml.
+enum class InputKind { kScenario, kRobot, kGait, kStudy };
+
+// Resolves the path of a file or folder that a user names. What exists wins. A relative path is then searched
+// as find_referenced() does from the working folder. Returns a path that is not found as it is, for its
+// reader to refuse.
+[[nodiscard]] std::filesystem::path find_path(const std::filesystem::path& given);
+
+// Resolves the path, or the name, of an input file as find_path() does. A name, which is a path without a
+// slash, is then searched in the same folders as InputKind says. Throws InputError for a name that is not
+// found, with the folders searched and the nearest names; returns a path that is not found as it is, for its
+// reader to refuse.
+[[nodiscard]] std::filesystem::path find_input(InputKind kind, const std::filesystem::path& given);
+
+// Resolves a motion file of a robot as find_input() does; a name is motions/NAME.yaml in the folder of the
+// robot's file. The path may be that of a folder of motions.
+[[nodiscard]] std::filesystem::path find_motion(const std::filesystem::path& given,
+                                                const std::filesystem::path& robot);
+
+// Returns the names that find_input() knows, in alphabetical order.
+[[nodiscard]] std::vector<std::string> input_names(InputKind kind);
+
+// Returns the names of the motions in the folder of a robot's file, in alphabetical order.
+[[nodiscard]] std::vector<std::string> robot_motion_names(const std::filesystem::path& robot);
+
+// Resolves a value of a file in `folder` that is a path or a name. Throws InputError if neither exists.
+std::filesystem::path read_input(const YamlValue& value, const std::filesystem::path& folder, InputKind kind);
+// The same for a motion of the robot.
+std::filesystem::path read_motion_path(const YamlValue& value, const std::filesystem::path& folder,
+                                       const std::filesystem::path& robot);
+
+}  // namespace koboshi::simulation

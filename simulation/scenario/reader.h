@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "base/yaml/yaml_reader.h"
+#include "simulation/scenario/scenario.h"
+
+namespace koboshi::simulation {
+
+// Reads the parameters of a robot from `parameters.yaml` in the folder of its file; empty if that does not
+// exist. Throws InputError.
+[[nodiscard]] RobotParameters read_robot_parameters(const std::filesystem::path& robot);
+// Reads the contents of such a file. Throws InputError.
+[[nodiscard]] RobotParameters read_robot_parameters(const YamlFile& yaml);
+
+// Reads scenarios/*.yaml (docs/reference/scenario-format.md) with the overrides of the command line. Checks
+// that referenced files exist, but not the names of joints and links, see check(). Throws InputError.
+Scenario read_scenario(const std::filesystem::path& file, std::span<const Override> overrides = {});
+
+// Reads the robot of a scenario and checks the scenario against it. Throws InputError.
+sim_board::RobotDescription read_robot(const Scenario& scenario);
+
+}  // namespace koboshi::simulation

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace koboshi::sim_board {
+
+// A robot file whose description was recorded (recorded/descriptions.txt). The same on every machine.
+struct RecordedRobot {
+  std::string name;
+  std::string text;
+};
+
+// Variants of recorded/koboshi.sdf (other poses, frames, axes, inertias, order of elements), and small robots
+// in each version of SDF from 1.5 to 1.9 with frames of all kinds.
+std::vector<RecordedRobot> recorded_robots();
+
+}  // namespace koboshi::sim_board

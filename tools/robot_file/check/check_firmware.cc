@@ -1,0 +1,32 @@
+// What the firmware cannot run: R028, R029.
+
+#include "simulation/assembly/robot_parameters.h"
+#include "simulation/model/robot_model.h"
+#include "simulation/scenario/reader.h"
+#include "tools/robot_file/check/checked_model.h"
+
+namespace koboshi::tools {
+namespace {
+
+void add_error(CheckedModel& model, const char* code, const InputError& error) {
+  model.add(code, simulation::Severity::kError, {.line = error.line()}, error.found(), error.expected());
+}
+
+}  // namespace
+
+void check_firmware(CheckedModel& model) {
+  const std::vector<InputError> errors = simulation::find_model_errors(model.robot);
+  for (const InputError& error : errors) add_error(model, "R028", error);
+  if (!errors.empty()) return;
+  try {
+    const simulation::RobotParameters parameters = simulation::read_robot_parameters(model.robot.file);
+    simulation::check(parameters, model.robot);
+    static_cast<void>(
+        simulation::compile_robot_parameters(parameters, simulation::load_named_model(model.robot).model));
+  } catch (const InputError& error) {
+    add_error(model, "R029", error);
+    model.last().file = error.file();
+  }
+}
+
+}  // namespace koboshi::tools

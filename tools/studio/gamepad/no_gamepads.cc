@@ -1,9 +1,0 @@
-// Stands for sdl_gamepads.cc where SDL 2 is not installed.
-
-#include "tools/studio/gamepad/gamepad.h"
-
-namespace koboshi::studio {
-
-std::unique_ptr<Gamepads> open_gamepads() { return nullptr; }
-
-}  // namespace koboshi::studio
