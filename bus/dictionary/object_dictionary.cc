@@ -66,7 +66,8 @@ ObjectItem make_item(const DescribedObject& described, std::size_t element,
   item.data_type = static_cast<std::uint8_t>(row.type);
   item.access = access_of(row);
   item.mappable = row.mappable;
-  const std::uint32_t highest = row.listed ? row.low + static_cast<std::uint32_t>(std::bit_width(row.high)) - 1 : row.high;
+  const std::uint32_t highest =
+      row.listed ? row.low + static_cast<std::uint32_t>(std::bit_width(row.high)) - 1 : row.high;
   if (row.limited || row.listed)
     item.limits = {sign_extended(row.low, row.type), sign_extended(highest, row.type)};
   item.default_value = default_of(item, row, values);

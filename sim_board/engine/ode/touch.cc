@@ -5,6 +5,7 @@
 
 #include "sim_board/engine/common/model_constants.h"
 #include "sim_board/engine/ode/eigen.h"
+#include "sim_board/engine/ode/library.h"
 
 namespace koboshi::sim_board {
 namespace {

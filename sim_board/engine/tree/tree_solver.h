@@ -107,7 +107,7 @@ class TreeSolver {
   std::vector<double> normals_;              // guesses of the present solution, by friction
   std::vector<double> normal_changes_;       // to the normals that the last solution found
   double relaxation_ = 1.0;
-  std::vector<double> A_;                    // as in lcp_, but with rows that are not turned
+  std::vector<double> A_;  // as in lcp_, but with rows that are not turned
   std::vector<double> b_;
   std::vector<double> impulses_;
   bool settled_ = true;
