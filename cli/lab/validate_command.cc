@@ -11,6 +11,7 @@
 
 #include "base/file/output_file.h"
 #include "base/file/output_folder.h"
+#include "base/file/standard_streams.h"
 #include "base/text/error.h"
 #include "lab/experiment/files.h"
 #include "lab/validate/report.h"
