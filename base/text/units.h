@@ -16,9 +16,10 @@ namespace koboshi {
 struct UserUnit {
   std::string_view name;     // "g"
   std::string_view of_file;  // "kg"
-  double factor;             // from this unit to that of the file
   double rounding;           // of the file's value, as in files written by hand
   bool is_shown;             // the one in which editors show the quantity
+
+  double factor() const;  // from this unit to that of the file, as unit_factor()
 };
 [[nodiscard]] std::span<const UserUnit> user_units();
 
@@ -37,8 +38,8 @@ struct TypedNumbers {
 [[nodiscard]] std::optional<double> unit_factor(std::string_view from, std::string_view to);
 // Returns the units that convert to this one, itself first.
 [[nodiscard]] std::vector<std::string> units_for(std::string_view unit);
-// What to expect instead of a unit that does not convert: "the unit kg or g". For an empty
-// unit, of a key that has none: "no unit".
+// Returns the text of a message for what is expected instead of a unit that does not convert: "the unit kg or
+// g", or "no unit" for a key without a unit.
 [[nodiscard]] std::string expected_unit(std::string_view unit);
 
 // Parses one number, in this unit or with one that converts to it, and returns it in this unit. Returns

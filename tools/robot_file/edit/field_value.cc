@@ -131,7 +131,7 @@ std::string shown_text(const ModelField& field, const std::string& value) {
     const auto number = koboshi::parse_number(word);
     if (!number) return value;
     constexpr double kShownStep = 1e-4;  // of the unit: finer than files written by hand
-    text += (text.empty() ? "" : " ") + rounded_text(*number / unit->factor, kShownStep);
+    text += (text.empty() ? "" : " ") + rounded_text(*number / unit->factor(), kShownStep);
   }
   return text;
 }
