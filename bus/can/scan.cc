@@ -23,7 +23,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr canopen::ObjectAddress kDeviceType{0x1000, 0};
 constexpr canopen::ObjectAddress kDeviceName{0x1008, 0};
 constexpr std::uint16_t kIdentity = 0x1018;
 constexpr auto kStopped = static_cast<std::uint8_t>(canopen::NmtState::kStopped);  // serves no SDO
@@ -67,11 +66,7 @@ class Scanner {
     for (std::uint8_t node = 1; node <= canopen::kMaxNodeId; ++node) {
       const bool second = drives_on_second && sim_board::has_pc_sdo(node);
       if (has_answered(node) || (options_.channel == SdoChannel::kSecond && !second)) continue;
-      const int base = second ? sim_board::kPcSdoRequestBase : canopen::kSdoRequestBase;
-      send_surely(transport_,
-                  {.identifier = static_cast<std::uint16_t>(base + node),
-                   .size = 8,
-                   .data = canopen::sdo::message(canopen::sdo::kInitiateUploadRequest, kDeviceType, 0)});
+      send_surely(transport_, device_type_request(node, second));
       listen(options_.request_period_us, 1);
     }
   }

@@ -48,7 +48,8 @@ ScanResult scan_bus(sim_board::Transport& transport, const ScanOptions& options)
 
 // A table with a line for each node.
 std::string scan_table(const ScanResult& result);
-// What passed on a bus on which no node was found: "no frame passed within 5 s", "312 frames passed ...".
+// Describes what passed on a bus on which no node was found: "no frame passed within 5 s", "312 frames passed
+// ...".
 std::string sighting_text(const ScanResult& result);
 
 }  // namespace koboshi::tools

@@ -21,8 +21,6 @@ using canopen::ObjectAddress;
 namespace sdo = canopen::sdo;
 using Clock = std::chrono::steady_clock;
 
-constexpr ObjectAddress kProbedObject{0x1000, 0};  // the device type
-
 std::size_t segments_of(std::size_t bytes) { return (bytes + sdo::kSegmentBytes - 1) / sdo::kSegmentBytes; }
 
 // The pauses before a transfer is repeated: 20, 40, 80 ms. A controller that configures a node sends it a
@@ -77,13 +75,10 @@ bool is_over(Clock::time_point deadline, bool has_received) {
          (!has_received || now >= deadline + std::chrono::microseconds(SdoTransfer::kTimeout_us));
 }
 
-// Asks for the device type, which every node has.
 bool answers_second_sdo(sim_board::Transport& transport, std::uint8_t node_id) {
   if (!sim_board::has_pc_sdo(node_id)) return false;
   for (int attempt = 0; attempt < 2; ++attempt) {
-    send_surely(transport, {.identifier = static_cast<std::uint16_t>(sim_board::kPcSdoRequestBase + node_id),
-                            .size = 8,
-                            .data = sdo::message(sdo::kInitiateUploadRequest, kProbedObject, 0)});
+    send_surely(transport, device_type_request(node_id, true));
     const auto deadline = Clock::now() + std::chrono::microseconds(kSecondSdoTimeout_us);
     for (;;) {
       const auto frame = transport.receive();
@@ -119,6 +114,13 @@ SdoTransfer second_sdo(sim_board::Transport& transport, std::uint8_t node_id) {
         fmt::format("found node {}, expected a drive, 16 to 35: only they have a second channel", node_id));
   return {transport, static_cast<std::uint16_t>(sim_board::kPcSdoRequestBase + node_id),
           static_cast<std::uint16_t>(sim_board::kPcSdoResponseBase + node_id)};
+}
+
+hal::CanFrame device_type_request(std::uint8_t node_id, bool on_second) {
+  const int base = on_second ? sim_board::kPcSdoRequestBase : canopen::kSdoRequestBase;
+  return {.identifier = static_cast<std::uint16_t>(base + node_id),
+          .size = 8,
+          .data = sdo::message(sdo::kInitiateUploadRequest, kDeviceType, 0)};
 }
 
 SdoTransfer open_sdo(sim_board::Transport& transport, std::uint8_t node_id, SdoChannel channel) {

@@ -104,7 +104,12 @@ enum class SdoChannel : std::uint8_t { kAutomatic, kFirst, kSecond };
 // node without one.
 SdoTransfer second_sdo(sim_board::Transport& transport, std::uint8_t node_id);
 
-// Time for the answer of a second channel, of which kSecond is not sure.
+// The device type, an object that every node has.
+inline constexpr canopen::ObjectAddress kDeviceType{0x1000, 0};
+// Returns the request for it on a node's first channel, or on a drive's second one.
+hal::CanFrame device_type_request(std::uint8_t node_id, bool on_second);
+
+// Time for an answer on a second channel before kAutomatic asks again, or takes the first one.
 inline constexpr std::uint64_t kSecondSdoTimeout_us = 250'000;
 
 // Uses this channel. kAutomatic: a drive's second one if the node answers on it within twice
