@@ -132,6 +132,13 @@ fs::path find_named(const Place& place, const fs::path& folder, const fs::path& 
   return {};
 }
 
+// The first of the folders that has it; empty if none has.
+fs::path find_named(const Place& place, std::span<const fs::path> folders, const fs::path& name) {
+  for (const fs::path& folder : folders)
+    if (fs::path file = find_named(place, folder, name); !file.empty()) return file;
+  return {};
+}
+
 void add_names(const Place& place, const fs::path& folder, std::set<std::string>& names) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder / place.folder, error)) {
@@ -205,9 +212,7 @@ fs::path find_input(InputKind kind, const fs::path& given) {
   const fs::path path = find_path(given);
   if (!is_name(given) || (is_there(path) && !is_folder(path))) return path;
   const std::vector<fs::path> folders = searched_folders({});
-  for (const fs::path& folder : folders) {
-    if (const fs::path file = find_named(place_of(kind), folder, given); !file.empty()) return file;
-  }
+  if (const fs::path file = find_named(place_of(kind), folders, given); !file.empty()) return file;
   if (is_there(path)) return path;  // a folder, which the reader refuses
   refuse_name(given, place_of(kind).noun, folders, place_of(kind).folder, input_names(kind));
 }
@@ -236,10 +241,8 @@ std::vector<std::string> robot_motion_names(const fs::path& robot) {
 
 fs::path read_input(const YamlValue& value, const fs::path& folder, InputKind kind) {
   if (is_name(value.text()) && find_referenced(folder, value.text()).empty()) {
-    for (const fs::path& searched : searched_folders(folder)) {
-      if (const fs::path file = find_named(place_of(kind), searched, value.text()); !file.empty())
-        return file;
-    }
+    const std::vector<fs::path> folders = searched_folders(folder);
+    if (const fs::path file = find_named(place_of(kind), folders, value.text()); !file.empty()) return file;
   }
   return read_path(value, folder);
 }

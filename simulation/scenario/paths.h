@@ -26,8 +26,8 @@ std::filesystem::path find_referenced(const std::filesystem::path& folder, const
 // Resolves a value that is a path. Throws InputError if the file does not exist.
 std::filesystem::path read_path(const YamlValue& value, const std::filesystem::path& folder);
 
-// What a name stands for: scenarios/NAME.yaml, robots/NAME/robot.sdf (or robot.urdf), robots/NAME/gait.yaml,
-// studies/NAME.yaml.
+// Kind of an input file. A name stands for scenarios/NAME.yaml, robots/NAME/robot.sdf (or robot.urdf),
+// robots/NAME/gait.yaml or studies/NAME.yaml.
 enum class InputKind { kScenario, kRobot, kGait, kStudy };
 
 // Resolves the path of a file or folder that a user names. What exists wins. A relative path is then searched
