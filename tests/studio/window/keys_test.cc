@@ -12,7 +12,6 @@
 #include <QLineEdit>
 #include <QMessageBox>
 #include <QPlainTextEdit>
-#include <QProcess>
 #include <QSlider>
 #include <QTabBar>
 #include <QTableView>
@@ -36,7 +35,7 @@
 #include "studio/tuning/parameter_row.h"
 #include "studio/widgets/message_bar.h"
 #include "studio/window/documents.h"
-#include "tests/studio/window/view_fixture.h"
+#include "tests/studio/window/keyboard_fixture.h"
 
 namespace koboshi::studio {
 
@@ -45,84 +44,16 @@ namespace fs = std::filesystem;
 using test::kPatience_ms;
 using test::kRoot;
 
-class KeysTest final : public ViewFixture {
+class KeysTest final : public KeyboardFixture {
   Q_OBJECT
 
  private:
   QTemporaryDir folder_;
   fs::path motion_file_;
 
-  // Runs xdotool and lets the window take what it sends.
-  static bool xdotool(const QStringList& arguments) {
-    QProcess process;
-    process.start(QStringLiteral("xdotool"), arguments);
-    const bool ended = QTest::qWaitFor([&] { return process.state() == QProcess::NotRunning; }, kPatience_ms);
-    return ended && process.exitCode() == 0;
-  }
-  // Presses keys one after the other, each as "ctrl+z".
-  static bool press(const QStringList& keys) {
-    const bool worked = xdotool(QStringList{QStringLiteral("key")} + keys);
-    QTest::qWait(20);
-    return worked;
-  }
-  static bool press(const char* key) { return press(QStringList{QLatin1String(key)}); }
-  static bool click(const QWidget& widget, const QPoint& place) {
-    const QPoint at = widget.mapToGlobal(place);
-    const bool worked =
-        xdotool({QStringLiteral("mousemove"), QStringLiteral("--sync"), QString::number(at.x()),
-                 QString::number(at.y()), QStringLiteral("click"), QStringLiteral("1")});
-    QTest::qWait(20);
-    return worked;
-  }
   static std::string text_of(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
-  }
-  void raise(const char* dock) const {
-    auto* one = window_->findChild<QDockWidget*>(QLatin1String(dock));
-    one->show();
-    one->raise();
-    QTest::qWait(10);
-  }
-  template <typename T>
-  T* in_dock(const char* dock, const char* name = "") const {
-    return window_->findChild<QDockWidget*>(QLatin1String(dock))->findChild<T*>(QString::fromLatin1(name));
-  }
-  // Widgets that can have the keyboard, one of each kind in each panel, with the panel that shows them.
-  struct Place {
-    const char* name;
-    const char* dock;
-    QWidget* widget;
-  };
-  std::vector<Place> places() const {
-    MotionPanel& motion = window_->motion();
-    const std::size_t knee = 0;
-    return {
-        {"view", "", &window_->view()},
-        {"time slider", "", window_->findChild<TransportBar*>()->findChild<QSlider*>()},
-        {"speed", "", window_->findChild<TransportBar*>()->findChild<QComboBox*>()},
-        {"search for commands", "", window_->findChild<CommandSearch*>()},
-        {"operator's button", "operator", in_dock<QPushButton>("operator", "enable")},
-        {"operator's number", "operator", in_dock<QDoubleSpinBox>("operator")},
-        {"plot", "plots", in_dock<PlotWidget>("plots")},
-        {"search for signals", "plots", in_dock<QLineEdit>("plots")},
-        {"list of signals", "plots", in_dock<QTreeView>("plots")},
-        {"events", "events", in_dock<QAbstractItemView>("events")},
-        {"filter of frames", "can", in_dock<QLineEdit>("can")},
-        {"frames", "can", in_dock<QTableView>("can", "frames")},
-        {"filter of objects", "objects", in_dock<QLineEdit>("objects")},
-        {"objects", "objects", in_dock<QTableView>("objects")},
-        {"log", "messages", in_dock<QPlainTextEdit>("messages", "log")},
-        {"steps", "motion", motion.findChild<QTableView*>(QStringLiteral("steps"))},
-        {"joint's number", "motion", motion.findChild<JointPanel*>()->spin_box(knee)},
-        {"joint's slider", "motion", motion.findChild<JointPanel*>()->findChild<QSlider*>()},
-        {"name of the motion", "motion", motion.findChild<QLineEdit*>(QStringLiteral("motion_name"))},
-    };
-  }
-  bool focus(const Place& place) const {
-    if (*place.dock != '\0') raise(place.dock);
-    place.widget->setFocus(Qt::OtherFocusReason);
-    return QTest::qWaitFor([&] { return place.widget->hasFocus(); }, 1000);
   }
 
  private Q_SLOTS:
