@@ -58,7 +58,7 @@ void shorten_range(CLI::Option& option) {
   }
 }
 
-// By the placeholder of an option's value.
+// Returns the unit of an option whose value has this placeholder; empty if it has none.
 std::string unit_of_placeholder(const std::string& placeholder) {
   static const std::map<std::string, std::string> kUnits{
       {"SECONDS", "s"}, {"MS", "ms"}, {"METRES", "m"}, {"HOURS", "h"}};

@@ -27,7 +27,8 @@ struct MarathonTrial {
 };
 [[nodiscard]] const FieldTable<MarathonTrial>& marathon_fields();
 
-// One cell. It concludes stands_at_the_end, seeds, and the total of each quantity. Throws InputError.
+// The experiment has one cell and concludes stands_at_the_end, seeds, and the total of each quantity. Throws
+// InputError.
 [[nodiscard]] Experiment make_marathon(const MarathonOptions& options);
 
 }  // namespace koboshi::tools

@@ -28,8 +28,8 @@ struct StandUpTrial {
 };
 [[nodiscard]] const FieldTable<StandUpTrial>& stand_up_fields();
 
-// One cell. It concludes success_rate, first_attempt_rate, attempts_mean, and by how the robot lay
-// prone_median_s and so on. Throws InputError.
+// The experiment has one cell and concludes success_rate, first_attempt_rate, attempts_mean, and by how the
+// robot lay prone_median_s and so on. Throws InputError.
 [[nodiscard]] Experiment make_stand_up(const StandUpOptions& options);
 
 }  // namespace koboshi::tools

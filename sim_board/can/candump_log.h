@@ -54,8 +54,8 @@ class CandumpReader {
   // Returns the next frame, or nothing at the end. Throws InputError for a line that is neither a frame nor
   // a comment.
   std::optional<LoggedFrame> next();
-  // What the user should know about the part read so far, one line for each: FILE:LINE: TEXT. At most one of
-  // each kind, and one more at the end of the log with the number of others.
+  // Returns the remarks for the user on the part read so far, one line for each: FILE:LINE: TEXT. There is at
+  // most one of each kind, and one more at the end of the log with the number of others.
   const std::vector<std::string>& remarks() const { return remarks_; }
   // Whether the last remark is that the last line has no end.
   bool is_cut_off() const { return cut_off_; }

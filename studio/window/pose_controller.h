@@ -38,7 +38,7 @@ class PoseController final : public QObject {
   void insert_run_pose();
 
  Q_SIGNALS:
-  // What the user should know of a drag, such as a joint at its limit; one line.
+  // A remark for the user on a drag, such as a joint at its limit; one line.
   void told(const QString& text);
 
  private:

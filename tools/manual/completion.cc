@@ -52,8 +52,8 @@ constexpr std::string_view kEnd = R"(      esac ;;
 complete -F _koboshi koboshi
 )";
 
-// What completes a value, by its placeholder or the name of the positional: a kind of `koboshi manual names`,
-// or file, folder, none.
+// Returns how bash completes a value with this placeholder or name of a positional: by a kind of `koboshi
+// manual names`, or by file, folder, none.
 std::string kind_of(const std::string& name) {
   static const std::map<std::string, std::string, std::less<>> kKinds{
       {"SCENARIO", "scenario"}, {"ROBOT", "robot"}, {"MOTION", "motion"}, {"STUDY", "study"},

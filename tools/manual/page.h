@@ -6,7 +6,7 @@
 
 namespace koboshi::tools {
 
-// What a manual page says besides the table of commands.
+// Texts of a manual page that are not in the table of commands.
 struct PageContext {
   std::string version;  // of the program
   std::string date;     // 2026-11-26; empty: none
