@@ -100,9 +100,9 @@ void BM_RecordCycle(benchmark::State& state) {
   std::filesystem::create_directories(folder);
   {
     // Large enough for all cycles, so that the writer, who is slower than this loop, holds up nothing.
-    Recorder recorder(folder, std::vector<TraceColumn>(200, {"x", "m"}), WhenFull::kDrop,
-                      std::size_t{1} << 20);
-    const std::vector<TraceValue> row(200, TraceValue(0.1234567890123));
+    simulation::Recorder recorder(folder, std::vector<simulation::TraceColumn>(200, {"x", "m"}),
+                                  simulation::WhenFull::kDrop, std::size_t{1} << 20);
+    const std::vector<simulation::TraceValue> row(200, simulation::TraceValue(0.1234567890123));
     std::uint64_t time_us = 0;
     for (auto _ : state) {
       for (std::size_t i = 0; i < 48; ++i)
