@@ -24,7 +24,7 @@ target_link_libraries(koboshi_options INTERFACE koboshi_headers)
 set(KOBOSHI_FIRMWARE_FLAGS -fno-exceptions -fno-rtti -fno-threadsafe-statics -g)
 # Not for the target (-mfloat-abi=soft; the linked image has no such functions), nor for clang, which cannot parse the
 # standard headers with this option.
-if(NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m4" AND NOT CMAKE_CXX_CLANG_TIDY)
+if(NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m4" AND NOT CMAKE_CXX_CLANG_TIDY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND KOBOSHI_FIRMWARE_FLAGS -mgeneral-regs-only)
 endif()
 add_library(koboshi_firmware_options INTERFACE)
