@@ -29,7 +29,8 @@ AbortCode MotionTransfer::begin_upload(std::uint32_t& size_bytes) {
 std::size_t MotionTransfer::read(std::uint32_t position, std::span<std::uint8_t> bytes) {
   const auto rest = image_.subspan(std::min<std::size_t>(position, image_.size()));
   const auto piece = rest.first(std::min(rest.size(), bytes.size()));
-  std::ranges::transform(piece, bytes.begin(), std::to_integer<std::uint8_t>);
+  std::ranges::transform(piece, bytes.begin(),
+                         [](std::byte byte) { return std::to_integer<std::uint8_t>(byte); });
   return piece.size();
 }
 

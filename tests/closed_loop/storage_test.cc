@@ -39,7 +39,8 @@ std::vector<std::uint8_t> image_of(const std::string& motion, const simulation::
   const auto image = simulation::compile_motion(
       KOBOSHI_SOURCE_DIR "/robots/koboshi/motions/" + motion + ".yaml", simulation.model());
   std::vector<std::uint8_t> bytes(image.size());
-  std::ranges::transform(image, bytes.begin(), std::to_integer<std::uint8_t>);
+  std::ranges::transform(image, bytes.begin(),
+                         [](std::byte byte) { return std::to_integer<std::uint8_t>(byte); });
   return bytes;
 }
 

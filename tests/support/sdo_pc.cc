@@ -18,7 +18,8 @@ constexpr int kTimeout_ms = 1'000;
 constexpr std::size_t kSegmentsPerMs = 7;  // the bus can carry 8
 
 void copy_segment(std::span<const std::byte> bytes, sdo::Data& data) {
-  std::ranges::transform(bytes, data.begin() + 1, std::to_integer<std::uint8_t>);
+  std::ranges::transform(bytes, data.begin() + 1,
+                         [](std::byte byte) { return std::to_integer<std::uint8_t>(byte); });
 }
 
 }  // namespace
