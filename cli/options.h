@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,22 @@ Network network_of(const std::filesystem::path& robot);
 
 // A node id, 1 to 127. Throws std::invalid_argument.
 std::uint8_t parse_node(const std::string& text);
+
+// Lets an option take only what the parser takes, so that a bad argument is refused before a bus is opened.
+// The message is the parser's.
+template <typename Parser>
+CLI::Validator taken_by(Parser parse) {
+  return CLI::Validator(
+      [parse](std::string& text) -> std::string {
+        try {
+          static_cast<void>(parse(text));
+          return {};
+        } catch (const std::invalid_argument& error) {
+          return error.what();
+        }
+      },
+      "");
+}
 
 // Adds --can, --realtime, --speed, --real-bus, --ttl and --interface of a simulation.
 void add_live_options(CLI::App& command, LiveOptions& options);

@@ -35,6 +35,11 @@ void add_send(CLI::App& can) {
   });
 }
 
+// A node id, or 0 for all nodes (CiA 301, 7.2.8.3.1).
+std::uint8_t parse_addressed(const std::string& text) {
+  return text == "all" ? std::uint8_t{0} : parse_node(text);
+}
+
 void add_nmt(CLI::App& can) {
   struct Arguments {
     std::string order;
@@ -55,11 +60,12 @@ void add_nmt(CLI::App& can) {
       ->add_option("COMMAND", arguments->order, "start, stop, pre-operational, reset or reset-communication")
       ->required()
       ->check(CLI::IsMember(names));
-  command->add_option("NODE", arguments->node, "1 to 127, decimal, or all")->required();
+  command->add_option("NODE", arguments->node, "1 to 127, decimal, or all")
+      ->required()
+      ->check(taken_by(parse_addressed));
   add_can_options(*command, arguments->can);
   command->callback([arguments] {
-    const std::uint8_t node = arguments->node == "all" ? std::uint8_t{0} : parse_node(arguments->node);
-    const canopen::NmtMessage message{kOrders.at(arguments->order), node};
+    const canopen::NmtMessage message{kOrders.at(arguments->order), parse_addressed(arguments->node)};
     send_surely(*open_can(arguments->can), canopen::encode(message));
   });
 }

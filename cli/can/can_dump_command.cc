@@ -173,7 +173,8 @@ and for a file, either is an interruption, with status 130 or 143.
 )");
   CLI::Option* log = add_log_options(*command, arguments->log, kLogOrBusHelp);
   command->add_option("--node", arguments->nodes, "Show only frames of this node; may be repeated")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->check(taken_by(parse_node));
   std::vector<std::string> names;
   for (const auto& [name, kind] : kinds()) names.push_back(name);
   names.emplace_back(kForeign);

@@ -169,12 +169,14 @@ CLI::App* add(CLI::App& lss, const char* name, const char* text, const LssPointe
         command
             ->add_option("--address", arguments->address,
                          "Select the slave with this identity; VENDOR:PRODUCT:REVISION:SERIAL, hexadecimal")
-            ->type_name("ADDRESS");
+            ->type_name("ADDRESS")
+            ->check(taken_by(parse_lss_address));
     command
         ->add_option("--node", arguments->node,
                      "Select the slave with this node id, whose identity is read by SDO first\n"
                      "(default: the only slave on the bus)")
         ->type_name("NODE")
+        ->check(taken_by(parse_node))
         ->excludes(address);
     add_sdo_options(*command, arguments->channel);
   }

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "base/file/output_file.h"
@@ -79,12 +80,18 @@ std::vector<std::uint8_t> number_bytes(const std::string& text, std::size_t size
   return data;
 }
 
-std::vector<std::uint8_t> value_bytes(const CanSdoArguments& arguments, SdoTransfer& transfer,
-                                      canopen::ObjectAddress address) {
-  if (arguments.type == "text") return {arguments.value.begin(), arguments.value.end()};
-  if (!arguments.type.empty())
-    return number_bytes(arguments.value, static_cast<std::size_t>(std::stoi(arguments.type.substr(1)) / 8));
-  const std::size_t size = transfer.read(address).size();  // the size that the object has now
+// The bytes of a value whose type is given; nothing without a type.
+std::optional<std::vector<std::uint8_t>> typed_bytes(const CanSdoArguments& arguments) {
+  if (arguments.type.empty()) return {};
+  if (arguments.type == "text")
+    return std::vector<std::uint8_t>(arguments.value.begin(), arguments.value.end());
+  return number_bytes(arguments.value, static_cast<std::size_t>(std::stoi(arguments.type.substr(1)) / 8));
+}
+
+// The bytes of a number of the size that the object has now.
+std::vector<std::uint8_t> untyped_bytes(const CanSdoArguments& arguments, SdoTransfer& transfer,
+                                        canopen::ObjectAddress address) {
+  const std::size_t size = transfer.read(address).size();
   if (size == 0 || size > 4)
     throw std::invalid_argument("found an object of " + std::to_string(size) +
                                 " bytes, expected --type or a download");
@@ -117,8 +124,10 @@ std::vector<std::uint8_t> read_file(const std::filesystem::path& file) {
 CLI::App* add(CLI::App& sdo, const char* name, const char* text,
               const std::shared_ptr<CanSdoArguments>& arguments) {
   CLI::App* command = sdo.add_subcommand(name, text);
-  command->add_option("NODE", arguments->node, "1 to 127, decimal")->required();
-  command->add_option("OBJECT", arguments->object, "Index and sub-index, hexadecimal: 1018:1")->required();
+  command->add_option("NODE", arguments->node, "1 to 127, decimal")->required()->check(taken_by(parse_node));
+  command->add_option("OBJECT", arguments->object, "Index and sub-index, hexadecimal: 1018:1")
+      ->required()
+      ->check(taken_by(parse_object));
   add_sdo_options(*command, arguments->channel);
   add_can_options(*command, arguments->can);
   return command;
@@ -145,9 +154,11 @@ void add_can_sdo_command(CLI::App& can, Invocation&) {
       ->check(CLI::IsMember({"u8", "i8", "u16", "i16", "u32", "i32", "text"}));
   write->callback([arguments] {
     const auto address = parse_object(arguments->object);
+    const auto bytes = typed_bytes(*arguments);
+    if (!bytes) static_cast<void>(number_bytes(arguments->value, 4));  // refuses it before the bus is opened
     const auto transport = open_can(arguments->can);
     SdoTransfer transfer = open_transfer(*arguments, *transport);
-    transfer.write(address, value_bytes(*arguments, transfer, address));
+    transfer.write(address, bytes ? *bytes : untyped_bytes(*arguments, transfer, address));
   });
 
   CLI::App* upload = add(*sdo, "upload", "Read a large object into a file, by block transfer", arguments);

@@ -143,6 +143,20 @@ class BadInput(unittest.TestCase):
         result = PROGRAM.run("model", "set", ROBOT / "robot.sdf", "left_shank.mass=45lb", "--dry-run")
         self.assertRegex(result.stderr, r"^\S+: found left_shank.mass = 45lb, expected a number .*; the unit kg or g\n$")
 
+    def test_arguments_are_checked_before_a_bus_is_opened(self):
+        for arguments in (["sdo", "read", "200", "1000"], ["sdo", "read", "0", "1000"], ["sdo", "read", "5", "zz"],
+                          ["sdo", "write", "5", "1017", "abc"], ["sdo", "write", "5", "1017", "300", "--type", "u8"],
+                          ["sdo", "upload", "5", "10:100", "file"], ["sdo", "download", "500", "1000", "file"],
+                          ["lss", "inquire", "--node", "500"], ["lss", "inquire", "--address", "1:2"],
+                          ["lss", "set-node", "300"], ["lss", "find", "--assign", "0"], ["lss", "bit-rate", "1"],
+                          ["nmt", "start", "alle"], ["nmt", "start", "0"], ["dump", "--node", "128"],
+                          ["dcf", "0", "nothing.eds"], ["dcf", "5", "nothing.eds"], ["send", "12"]):
+            with self.subTest(arguments):
+                result = PROGRAM.run("can", *arguments, "--can", "socketcan:none0", cwd=self.folder)
+                self.assertEqual(result.returncode, 2)
+                self.assertIn("found ", result.stderr)
+                self.assertNotIn("none0", result.stderr)
+
     def test_what_nobody_sees_is_shown(self):
         for arguments in (["run", "a\u202eb.yaml"], ["can", "send", "12\u200b3"], ["can", "dump", "x", "--no\u2066pe"],
                           ["can", "sdo", "read", "1", "10\u00a018"], ["da\u202ance"]):
