@@ -7,6 +7,15 @@ of docs/guide/replay.md:
     koboshi run scenarios/okiagari.yaml --out runs/okiagari && koboshi replay runs/okiagari --html
     draw_replay.py runs/okiagari/replay.html docs/guide/replay.png --time=7.05 --script="koboshi.showTab('can'); koboshi.plots.showTwoSeconds()"
     draw_replay.py runs/okiagari/replay.html docs/guide/replay-phone.png --size=390x844 --dark --time=6
+
+Those of docs/tutorial/why-did-it-fall.md, whose steps 3 and 7 make the runs (left-foot.png: the page without --with):
+
+    draw_replay.py runs/fell/replay.html docs/tutorial/first-difference.png --time=6.66 --script="
+      const kept = ['true_pitch', 'true_left_load', 'true_right_load'];
+      for (const pane of [...koboshi.plots.panes])
+        for (const name of [...pane.names]) if (!kept.includes(name)) koboshi.plots.toggle(name);
+      koboshi.plots.toggle('true_left_sole_x'); koboshi.plots.toggle('true_right_sole_x');
+      koboshi.plots.showTwoSeconds(); koboshi.view.look('2')"
 """
 
 import argparse
