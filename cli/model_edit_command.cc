@@ -116,7 +116,7 @@ Examples:
   koboshi model set robots/koboshi/robot.sdf head.helmet.zoom="0.001 0.001 0.0012" --dry-run
 )");
   set->add_option("ROBOT", arguments->robot, "The robot's file or name")->required();
-  set->add_option("PATH=VALUE", arguments->words, "Values to set")->required();
+  set->add_option("SETTING", arguments->words, "Values to set, each as PATH=VALUE")->required();
   set->add_flag("--mirror", arguments->both_sides, "Also set the mirror image on the other side");
   set->add_flag("--dry-run", arguments->dry_run, "Print the difference and write nothing");
   set->add_option("-o", arguments->out, "Write the result to this file")->type_name("FILE");

@@ -427,7 +427,7 @@ class Door(unittest.TestCase):
                           self.refuse(rf"{self.scenario}:2", "run", self.scenario))
         self.robot.write_text("<sdf>" * 600 + "</sdf>" * 600, encoding="utf-8")
         self.scenario.write_text(SCENARIO.replace(str(ROBOT / "robot.sdf"), str(self.robot)), encoding="utf-8")
-        self.assertIn("nested deeper than 100 levels", self.refuse(rf"{self.robot}:1", "run", self.scenario))
+        self.assertIn("nested deeper than 90 levels", self.refuse(rf"{self.robot}:1", "run", self.scenario))
         self.assertIn("nested deeper than 100 levels",
                       self.refuse("--set", "run", support.SQUAT, "--set", "faults=" + "[" * 600 + "]" * 600))
 

@@ -46,10 +46,15 @@ TEST(XmlReader, ChecksTextWhereItEnters) {
   EXPECT_EQ(complaint("<!-- nothing -->\n"), "FILE:1: found no element, expected <boxes>");
   EXPECT_EQ(complaint(boxes("<!-- f\xFCr -->")),
             "FILE:2: found a byte that is not UTF-8, expected UTF-8 text");
-  std::string nested;
-  for (int i = 0; i < 600; ++i) nested = "<box>" + nested + "</box>";
-  EXPECT_EQ(complaint(boxes(nested)),
-            "FILE:2: found elements nested deeper than 100 levels, expected at most 100 levels");
+  const auto nested = [](int levels) {
+    std::string text;
+    for (int i = 0; i < levels; ++i) text = "<notes>" + text + "</notes>";
+    return complaint("<boxes unit='m'>\n" + text + "</boxes>");
+  };
+  EXPECT_EQ(nested(89), "nothing");  // and the root
+  for (const int levels : {90, 200, 600})
+    EXPECT_EQ(nested(levels),
+              "FILE:2: found elements nested deeper than 90 levels, expected at most 90 levels");
 }
 
 TEST(XmlReader, RejectsNamesWithWhiteSpaceAtTheirEnds) {
@@ -98,7 +103,7 @@ TEST(XmlReader, RejectsMalformedXml) {
   std::string deep;
   for (int i = 0; i < 100000; ++i) deep += "<box>";
   EXPECT_EQ(complaint(deep),
-            "FILE:1: found elements nested deeper than 100 levels, expected at most 100 levels");
+            "FILE:1: found elements nested deeper than 90 levels, expected at most 90 levels");
   EXPECT_THROW(XmlFile("no/such.xml", box_rule()), InputError);
 }
 
