@@ -16,6 +16,8 @@ import numpy as np
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ROBOT = ROOT / "robots" / "koboshi"
 MAX_TRIANGLES = 60_000
+TOLERANCE_mm = 0.002
+TOLERANCE_RATIO = 1e-6
 SIDES = {"left": 1, "right": -1}
 
 
@@ -47,6 +49,14 @@ def shells_of(file):
             break
     of_triangle = label[indices[:, 0]]
     return [(corners[of_triangle == each], indices[of_triangle == each]) for each in np.unique(of_triangle)]
+
+
+def volume_of(corners):
+    return np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6.0
+
+
+def area_of(corners):
+    return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2.0
 
 
 def numbers(element, default):
@@ -129,7 +139,24 @@ class Meshes(unittest.TestCase):
             names = sorted(file.name for file in (made / "meshes").iterdir())
             self.assertEqual(names, sorted(file.name for file in (ROBOT / "meshes").iterdir()))
             for name in names:
-                self.assertEqual((made / "meshes" / name).read_bytes(), (ROBOT / "meshes" / name).read_bytes(), name)
+                with self.subTest(name):
+                    self.compare(made / "meshes" / name, ROBOT / "meshes" / name)
+
+    def compare(self, made, kept):
+        """The files were made with NumPy 1.24 of Debian 12, which gives the same bytes. Another version rounds differently and
+        divides some flat faces along other diagonals: the same number of triangles, vertices within TOLERANCE_mm, and volume and
+        area within TOLERANCE_RATIO of the kept ones."""
+        if np.__version__.startswith("1.24."):
+            self.assertEqual(made.read_bytes(), kept.read_bytes())
+            return
+        there, here = triangles_of(made), triangles_of(kept)
+        self.assertEqual(len(there), len(here))
+        for some, others in ((there, here), (here, there)):
+            some, others = np.unique(some.reshape(-1, 3), axis=0), np.unique(others.reshape(-1, 3), axis=0)
+            for vertex in some:
+                self.assertLess(np.abs(others - vertex).max(axis=1).min(), TOLERANCE_mm)
+        self.assertAlmostEqual(volume_of(there) / volume_of(here), 1.0, delta=TOLERANCE_RATIO)
+        self.assertAlmostEqual(area_of(there) / area_of(here), 1.0, delta=TOLERANCE_RATIO)
 
     def test_surfaces_are_closed_and_face_outwards(self):
         for file in sorted((ROBOT / "meshes").glob("*.stl")):
