@@ -150,6 +150,19 @@ TEST(NodeImpostor, IsDetectedByItsHeartbeatSyncEmergencyOrPdo) {
   EXPECT_TRUE(device.impostors.empty());
 }
 
+// A node without PDOs still hears that another one sends its PDO.
+TEST(NodeImpostor, IsDetectedByItsPdoInPreOperationalToo) {
+  TestNode device;
+  device.node.start(0);
+  device.node.process(0);
+  ASSERT_EQ(device.node.state(), NmtState::kPreOperational);
+  device.node.on_frame(can_frame(0x190, {0, 0, 0, 0, 0, 0, 0, 0}), 0);
+  EXPECT_EQ(device.impostors, std::vector<std::uint16_t>{0x190});
+  device.node.on_frame(can_frame(0x210, {0, 0, 0, 0, 0, 0}),
+                       0);  // an RPDO that it would receive if operational
+  EXPECT_EQ(device.impostors.size(), 1u);
+}
+
 TEST(NodeImpostor, IsNoSyncProducerIfTheNodeIsNot) {
   TestNode device;
   device.make_operational();

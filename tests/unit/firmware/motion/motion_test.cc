@@ -195,7 +195,10 @@ TEST_F(MotionTest, ReportsTheIndexOfABadPoseOrStep) {
 }
 
 TEST_F(MotionTest, RefusesBadSteps) {
-  EXPECT_EQ(of_steps({{static_cast<Opcode>(18), 0, 0}, kEndStep}), kBadOpcode);
+  for (const int beyond : {1, 2, 100}) {
+    const auto opcode = static_cast<Opcode>(static_cast<int>(kLastOpcode) + beyond);
+    EXPECT_EQ(of_steps({{opcode, 0, 0}, kEndStep}), kBadOpcode) << beyond;
+  }
   EXPECT_EQ(of_steps({{kEnd, 1, 0}}), kBadOpcode);
   EXPECT_EQ(of_steps({{kEnd, 0, 1}}), kBadOpcode);
   EXPECT_EQ(of_steps({{kMove, 2, 10'000}, kEndStep}), kNoSuchPose);
@@ -265,6 +268,22 @@ TEST_F(MotionTest, RejectsCyclesOfZeroDuration) {
   EXPECT_EQ(of_steps({loop(0), jump(3), kWaitStep, loop_end(0), kEndStep}), kTakesNoTime);
   EXPECT_EQ(of_steps({kWaitStep, jump(3), kWaitStep, jump(1), kEndStep}), kTakesNoTime);
   EXPECT_EQ(of_steps({loop(0), loop(2), kWaitStep, loop_end(1), loop_end(0), kEndStep}), kOk);
+}
+
+// Each way on from a step must come to an end or take time: of a branch, of an await, of a loop and of a
+// call.
+TEST_F(MotionTest, RejectsACycleOfZeroDurationOnEitherWayOfABranch) {
+  const Step test = motion::Test{{Source::kTime}, Comparison::kGreater, false, 5}.step();
+  const Step branch_back = Condition{}.branch(0);
+  EXPECT_EQ(of_steps({branch_back, test, kEndStep}), kTakesNoTime);  // only the other way ends
+  EXPECT_EQ(of_steps({Condition{}.branch(3), test, jump(0), kEndStep}), kTakesNoTime);  // only this way ends
+  EXPECT_EQ(of_steps({Condition{}.branch(3), test, kEndStep, jump(3)}), kTakesNoTime);
+  EXPECT_EQ(of_steps({kWaitStep, branch_back, test, kEndStep}), kOk);
+  EXPECT_EQ(of_steps({Condition{}.branch(4), test, kWaitStep, jump(0), kEndStep}), kOk);
+  EXPECT_EQ(of_steps({Condition{}.await(kNoStep, 30'000), test, jump(0), kEndStep}), kTakesNoTime);
+  EXPECT_EQ(of_steps({Condition{}.await(0, 30'000), test, kEndStep}), kOk);  // its time-out takes time
+  EXPECT_EQ(of_steps({{kCall, 3}, jump(0), kEndStep, {kReturn}}), kTakesNoTime);
+  EXPECT_EQ(of_steps({{kCall, 3}, jump(0), kEndStep, kWaitStep, {kReturn}}), kOk);
 }
 
 }  // namespace

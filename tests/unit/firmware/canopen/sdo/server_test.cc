@@ -90,6 +90,21 @@ TEST_F(SdoServerTest, DownloadsInSegments) {
   EXPECT_EQ(device_.values.target, 1000);
 }
 
+// A number takes at most four bytes, in whatever segments they come and though the client has not told their
+// number.
+TEST_F(SdoServerTest, RefusesAFifthByteOfUnknownSize) {
+  const auto too_long = answer({0x80, 0x7A, 0x60, 0x00, 0x12, 0x00, 0x07, 0x06});
+  ask({0x20, 0x7A, 0x60, 0x00, 0, 0, 0, 0});
+  EXPECT_EQ(ask({0x05, 1, 0, 0, 0, 0, 0, 0}), too_long);  // five bytes at once
+  ask({0x20, 0x7A, 0x60, 0x00, 0, 0, 0, 0});
+  EXPECT_EQ(ask({0x08, 1, 0, 0, 0, 0, 0, 0}), answer({0x20, 0, 0, 0, 0, 0, 0, 0}));  // three, and two
+  EXPECT_EQ(ask({0x1B, 0, 0, 0, 0, 0, 0, 0}), too_long);
+  ask({0x20, 0x7A, 0x60, 0x00, 0, 0, 0, 0});
+  EXPECT_EQ(ask({0x06, 1, 0, 0, 0, 0, 0, 0}), answer({0x20, 0, 0, 0, 0, 0, 0, 0}));  // four, and one
+  EXPECT_EQ(ask({0x1D, 0, 0, 0, 0, 0, 0, 0}), too_long);
+  EXPECT_EQ(device_.values.target, 0);
+}
+
 TEST_F(SdoServerTest, AbortsATransferOfASilentClient) {
   ask({0x40, 0x08, 0x10, 0x00, 0, 0, 0, 0}, 5'000);
   device_.node.process(5'000 + SdoServer::kTimeout_us - 1);
