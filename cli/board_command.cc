@@ -10,7 +10,7 @@
 
 #include "bus/dictionary/network.h"
 #include "cli/options.h"
-#include "simulation/assembly/bare_board.h"
+#include "simulation/assembly/board_without_controller.h"
 #include "simulation/scenario/paths.h"
 #include "simulation/scenario/reader.h"
 #include "view/capture/run_recording.h"
@@ -31,7 +31,7 @@ void play_board(const BoardArguments& arguments) {
   LiveOptions live_options = arguments.live;
   const auto view = open_view(arguments.view, live_options);
   LiveLink live(live_options, warn);
-  simulation::BareBoard bare(simulation::read_scenario(
+  simulation::BoardWithoutController bare(simulation::read_scenario(
       simulation::find_input(simulation::InputKind::kScenario, arguments.scenario), overrides));
   sim_board::SimBoard& board = bare.board();
   std::optional<view::RunRecording> recording;

@@ -59,12 +59,15 @@ QuantileEstimate estimate_quantile(std::span<const double> values, double share)
   const auto at = [&](double rank) {
     return sorted[static_cast<std::size_t>(std::clamp(rank, 0.0, static_cast<double>(sorted.size() - 1)))];
   };
-  // How many of the values lie below the quantile is binomial.
+  // How many of the values lie below the quantile is binomial. From the lower rank to the upper one, counted
+  // from 1, the quantile is with a probability of P(rank_low <= below < rank_high) (W. J. Conover, "Practical
+  // nonparametric statistics", section 3.2). Boost rounds the number that 2.5 % do not exceed down, and the
+  // one that 97.5 % do not exceed up.
   const double n = static_cast<double>(sorted.size());
   const boost::math::binomial below(n, share);
   return {sorted.size(),
           at(std::floor(share * n + 1e-9)),
-          {at(std::floor(boost::math::quantile(below, 1.0 - kUpperQuantile)) - 1.0),
+          {at(std::floor(boost::math::quantile(below, 1.0 - kUpperQuantile))),
            at(std::ceil(boost::math::quantile(below, kUpperQuantile)))}};
 }
 

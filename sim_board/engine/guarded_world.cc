@@ -24,7 +24,8 @@ double softest_spring_N_per_m(const RobotDescription& robot, const WorldOptions&
   const auto meet_all = [&](const SurfaceDescription& ground) {
     for (const LinkDescription& link : robot.links) {
       for (const BoxDescription& box : link.collisions) {
-        const Softness soft = meet(box.surface, ground, options.step_s, options.material_pairs).softness;
+        const Softness soft =
+            contact_between(box.surface, ground, options.step_s, options.material_pairs).softness;
         softest = std::min(softest, soft.error_reduction / (options.step_s * soft.constraint_force_mixing));
       }
     }

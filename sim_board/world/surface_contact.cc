@@ -45,8 +45,8 @@ Softness softness(double stiffness, double damping, double step_s) {
   return {step_stiffness / (step_stiffness + damping), 1.0 / (step_stiffness + damping)};
 }
 
-SurfaceContact meet(const SurfaceDescription& one, const SurfaceDescription& other, double step_s,
-                    std::span<const MaterialPair> pairs) {
+SurfaceContact contact_between(const SurfaceDescription& one, const SurfaceDescription& other, double step_s,
+                               std::span<const MaterialPair> pairs) {
   const Compliance a = compliance(one);
   const Compliance b = compliance(other);
   const SurfaceDescription& bouncier = one.bounce >= other.bounce ? one : other;

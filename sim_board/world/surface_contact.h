@@ -53,7 +53,7 @@ struct MaterialPair {
 // Two surfaces are in series: their compliances 1/kp and 1/kd add, and so do their slips. Friction is the
 // smaller value, bounce and its threshold are those of the bouncier surface. A rigid surface (CFM 0) is
 // treated as CFM 1e-9. A matching material pair overrides these values.
-SurfaceContact meet(const SurfaceDescription& one, const SurfaceDescription& other, double step_s,
-                    std::span<const MaterialPair> pairs = {});
+SurfaceContact contact_between(const SurfaceDescription& one, const SurfaceDescription& other, double step_s,
+                               std::span<const MaterialPair> pairs = {});
 
 }  // namespace koboshi::sim_board

@@ -138,7 +138,7 @@ Recording recording_head(const simulation::Simulation& simulation) {
   return head;
 }
 
-Recording recording_head(const simulation::BareBoard& board) {
+Recording recording_head(const simulation::BoardWithoutController& board) {
   Recording head = head_of(board.scenario(), board.robot(), board.board());
   head.signals = signals_of_board(board.robot());
   return head;
@@ -150,7 +150,7 @@ RunRecording::RunRecording(const std::filesystem::path& file, const simulation::
           file, recording_head(simulation), simulation.board(), simulation.robot(),
           [&simulation]() -> const std::vector<simulation::Push>& { return simulation.pushes(); }, options) {}
 
-RunRecording::RunRecording(const simulation::BareBoard& board, RecordingListener& listener)
+RunRecording::RunRecording(const simulation::BoardWithoutController& board, RecordingListener& listener)
     : RunRecording(
           {}, recording_head(board), board.board(), board.robot(),
           [&board]() -> const std::vector<simulation::Push>& { return board.pushes(); },

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim_board/can/observer.h"
-#include "simulation/assembly/bare_board.h"
+#include "simulation/assembly/board_without_controller.h"
 #include "simulation/assembly/simulation.h"
 #include "simulation/observe/run_recorder.h"
 #include "simulation/record/background_writer.h"
@@ -20,7 +20,7 @@ namespace koboshi::view {
 
 // The recording of a simulation without its samples, events, pushes and frames.
 [[nodiscard]] Recording recording_head(const simulation::Simulation& simulation);
-[[nodiscard]] Recording recording_head(const simulation::BareBoard& board);
+[[nodiscard]] Recording recording_head(const simulation::BoardWithoutController& board);
 
 // Records a simulation into run.mcap, or for a listener, or both. It observes from outside: frames as the
 // listener of a RunRecorder, and after each millisecond the world, the row of the trace, events and pushes. A
@@ -44,7 +44,7 @@ class RunRecording final : public sim_board::BusObserver {
                const Options& options);
   // Records a board without controller for a listener, and drops what it is too slow for. Its signals are
   // the true place of the base link and the true joint positions.
-  RunRecording(const simulation::BareBoard& board, RecordingListener& listener);
+  RunRecording(const simulation::BoardWithoutController& board, RecordingListener& listener);
 
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
   // Records a millisecond, after `recorder` has; it must write a trace. Throws WriteError after a failed

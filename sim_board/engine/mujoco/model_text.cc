@@ -237,7 +237,7 @@ std::vector<TouchingPair> touching_pairs(const RobotDescription& robot, const Li
   std::vector<TouchingPair> pairs;
   const auto add = [&](int box, int other_box, const SurfaceDescription& other) {
     const SurfaceDescription& one = boxes[static_cast<std::size_t>(box)].box->surface;
-    pairs.push_back({box, other_box, meet(one, other, options.step_s, options.material_pairs)});
+    pairs.push_back({box, other_box, contact_between(one, other, options.step_s, options.material_pairs)});
     check(pairs.back().surface);
   };
   for (int i = 0; i < count; ++i) {

@@ -158,7 +158,7 @@ void Collider::make_fields() {
 std::size_t Collider::meet_ground(const Box& box, const SurfaceDescription& ground,
                                   const Eigen::Matrix3d& R_W) {
   Meeting meeting;
-  meeting.contact = meet(box.surface, ground, options_.step_s, options_.material_pairs);
+  meeting.contact = contact_between(box.surface, ground, options_.step_s, options_.material_pairs);
   meeting.surface = ode_surface(meeting.contact);
   const bool is_of_box = box.surface.friction_direction.has_value();
   meeting.direction = is_of_box ? *box.surface.friction_direction
@@ -170,7 +170,8 @@ std::size_t Collider::meet_ground(const Box& box, const SurfaceDescription& grou
 
 std::size_t Collider::meet_box(const Box& box, const Box& other) {
   const Box& directed = box.surface.friction_direction ? box : other;
-  const SurfaceContact contact = meet(box.surface, other.surface, options_.step_s, options_.material_pairs);
+  const SurfaceContact contact =
+      contact_between(box.surface, other.surface, options_.step_s, options_.material_pairs);
   meetings_.push_back({ode_surface(contact), contact,
                        directed.surface.friction_direction.value_or(Eigen::Vector3d::UnitX()),
                        directed.geom.get()});

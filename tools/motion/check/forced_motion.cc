@@ -106,7 +106,7 @@ void ForcedMotion::decide(std::uint16_t step, bool holds) {
   armed_[step] = false;
 }
 
-void ForcedMotion::meet(std::uint16_t step) {
+void ForcedMotion::satisfy(std::uint16_t step) {
   write(step, motion::Stiffness{.joints = 0}.step());  // does nothing
   armed_[step] = false;
 }

@@ -37,7 +37,7 @@ class ForcedMotion {
   // Removes the breakpoint of a condition, which then has this outcome.
   void decide(std::uint16_t step, bool holds);
   // Removes the breakpoint of an expected attitude, which is then met.
-  void meet(std::uint16_t step);
+  void satisfy(std::uint16_t step);
 
  private:
   std::span<std::byte> bytes_of(std::size_t step, std::size_t count = 1);

@@ -138,7 +138,7 @@ class Player {
       if (!next.failed() || !motion_.is_armed(step)) return next;
       if (motion_.original().opcode(step) == Opcode::kExpect) {
         on_feet_ = is_upright(motion::ExpectedAttitude::of(motion_.original().step(step)));
-        motion_.meet(step);
+        motion_.satisfy(step);
         continue;
       }
       const std::optional<bool> holds = outcome_of(next);

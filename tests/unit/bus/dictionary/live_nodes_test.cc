@@ -11,7 +11,7 @@
 
 #include "bus/dictionary/node_kinds.h"
 #include "sim_board/sensor/sensor_node.h"
-#include "simulation/assembly/bare_board.h"
+#include "simulation/assembly/board_without_controller.h"
 #include "simulation/assembly/parameters.h"
 #include "simulation/assembly/simulation.h"
 #include "simulation/scenario/operator_pc.h"
@@ -100,7 +100,7 @@ TEST(DataSheets, HaveTheDefaultsOfALiveController) {
 }
 
 TEST(DataSheets, HaveTheDefaultsOfLiveDrivesAndSensors) {
-  simulation::BareBoard board(scenario("board.yaml"));
+  simulation::BoardWithoutController board(scenario("board.yaml"));
   const NodeKind drive = drive_kind();
   const NodeKind inertial = inertial_kind();
   const NodeKind ankle = ankle_kind();

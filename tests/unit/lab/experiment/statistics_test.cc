@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 #include <vector>
 
 namespace koboshi::tools {
@@ -56,6 +58,18 @@ TEST(ShareEstimate, IsSymmetric) {
 
 TEST(ShareEstimate, IsNaNWithoutTrials) {
   EXPECT_EQ(estimate_share(0, 0).confidence_95, (Interval{0.0, 1.0}));
+}
+
+// The ranks of published tables for the median (Conover, table A3): 2 and 9 of 10, 6 and 15 of 20, 40 and 61
+// of 100.
+TEST(Quantile, HasTheIntervalOfTheBinomialLaw) {
+  for (const auto& [count, low, high] : {std::tuple{10, 2, 9}, {20, 6, 15}, {100, 40, 61}}) {
+    std::vector<double> values(static_cast<std::size_t>(count));
+    std::iota(values.begin(), values.end(), 1.0);
+    const QuantileEstimate estimate = estimate_quantile(values, 0.5);
+    EXPECT_EQ(estimate.confidence_95.low, low) << count;
+    EXPECT_EQ(estimate.confidence_95.high, high) << count;
+  }
 }
 
 TEST(Quantile, IsReachedByAllButAFraction) {

@@ -64,7 +64,7 @@ TEST(Perturbation, AppliesTheDrawnFriction) {
     sim_board::SurfaceDescription ground;
     ground.friction = ground.friction_second = scenario.ground.friction.value();
     const sim_board::SurfaceContact contact =
-        sim_board::meet(robot.links[1].collisions[0].surface, ground, 0.001);
+        sim_board::contact_between(robot.links[1].collisions[0].surface, ground, 0.001);
     EXPECT_DOUBLE_EQ(contact.friction, ground.friction);
     EXPECT_FALSE(contact.has_direction());
     lowest = std::min(lowest, contact.friction);

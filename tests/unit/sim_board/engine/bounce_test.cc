@@ -101,7 +101,7 @@ double rebound_m_per_s(Fall& fall) {
 // Rebound of a mass on the four springs and dampers of a sole, which cannot pull, by steps of a microsecond.
 double rebound_of_spring_m_per_s(const Surface& sole, double mass_kg, double fall_m) {
   const SurfaceDescription surface = surface_of(sole, 0.0);
-  const Softness point = meet(surface, surface, 0.001).softness;
+  const Softness point = contact_between(surface, surface, 0.001).softness;
   const double stiffness = 4.0 * point.error_reduction / (0.001 * point.constraint_force_mixing);
   const double damping = 4.0 * (1.0 - point.error_reduction) / point.constraint_force_mixing;
   constexpr double kStep_s = 1e-6;
@@ -282,7 +282,7 @@ TEST_P(BounceInEachStepper, ARobotLandsOnOneFootAndComesToRest) {
 // The row of a point.
 SurfaceContact contact_of(const Surface& sole, double restitution) {
   const SurfaceDescription surface = surface_of(sole, restitution);
-  return meet(surface, surface, 0.001);
+  return contact_between(surface, surface, 0.001);
 }
 
 TEST(NormalRow, ClosesAGapAndReleasesADepthByItsSpring) {

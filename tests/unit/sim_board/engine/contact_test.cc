@@ -68,8 +68,8 @@ TEST(Contact, UsesTheLowerFrictionOfTwoSurfaces) {
   SurfaceDescription ice, rubber;
   ice.friction = 0.05;
   rubber.friction = 1.5;
-  EXPECT_EQ(meet(ice, rubber, 0.001).friction, 0.05);
-  EXPECT_EQ(meet(rubber, ice, 0.001).friction, 0.05);
+  EXPECT_EQ(contact_between(ice, rubber, 0.001).friction, 0.05);
+  EXPECT_EQ(contact_between(rubber, ice, 0.001).friction, 0.05);
 }
 
 TEST(Contact, KeepsSpringAndDamperAtAnyStep) {
@@ -78,15 +78,15 @@ TEST(Contact, KeepsSpringAndDamperAtAnyStep) {
   soft.constraint_force_mixing = 2e-3;
   soft.reference_step_s = 0.001;
   for (const double step_s : {0.001, 0.0005, 0.0001}) {
-    const Softness contact = meet(soft, soft, step_s).softness;
+    const Softness contact = contact_between(soft, soft, step_s).softness;
     const double kp = contact.error_reduction / (step_s * contact.constraint_force_mixing);
     const double kd = (1.0 - contact.error_reduction) / contact.constraint_force_mixing;
     EXPECT_NEAR(kp, 0.5 * 0.3 / (0.001 * 2e-3), 1e-6) << step_s;  // two springs in series: half of one
     EXPECT_NEAR(kd, 0.5 * 0.7 / 2e-3, 1e-6) << step_s;
   }
   // At its reference step, against itself, it is twice as soft as the file says and has the same ERP.
-  EXPECT_NEAR(meet(soft, soft, 0.001).softness.constraint_force_mixing, 4e-3, 1e-12);
-  EXPECT_NEAR(meet(soft, soft, 0.001).softness.error_reduction, 0.3, 1e-12);
+  EXPECT_NEAR(contact_between(soft, soft, 0.001).softness.constraint_force_mixing, 4e-3, 1e-12);
+  EXPECT_NEAR(contact_between(soft, soft, 0.001).softness.error_reduction, 0.3, 1e-12);
 }
 
 TEST_P(ContactInEachEngine, SinksEquallyAtHalfTheStep) {

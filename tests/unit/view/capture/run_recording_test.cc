@@ -207,7 +207,7 @@ TEST(RunRecording, TellsAListener) {
 }
 
 TEST(RunRecording, TellsOfABoardWithoutController) {
-  simulation::BareBoard board(simulation::read_scenario(
+  simulation::BoardWithoutController board(simulation::read_scenario(
       KOBOSHI_SOURCE_DIR "/scenarios/board.yaml",
       std::vector<Override>{{"duration_s", "0.5"},
                             {"pushes", "[{at_s: 0.1, link: trunk, force_N: [1, 0, 0], duration_s: 0.1}]"}}));

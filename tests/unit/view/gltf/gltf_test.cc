@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -148,6 +150,25 @@ TEST(Gltf, MovesEveryLinkAtEverySample) {
   for (std::size_t i = 0; i < 50; ++i)
     EXPECT_EQ(Eigen::Vector3f(&places[3 * i]), recording.samples[i].links[1].p_WL_m);
   EXPECT_EQ(samplers.at({"trunk", "rotation"})->at("input"), foot.at("input"));
+}
+
+// glTF 2.0, 3.11: a rotation is x, y, z, w.
+TEST(Gltf, WritesRotationsInTheOrderOfGltf) {
+  Recording recording = test::sample_recording(3);
+  const Eigen::Quaternionf turned(0.8F, 0.1F, 0.3F, std::sqrt(1.0F - 0.64F - 0.01F - 0.09F));
+  recording.samples[1].links[1].q_WL = turned;
+  const Parts parts(gltf_of(recording));
+  const Json& animation = parts.json.at("animations").at(0);
+  std::vector<std::vector<float>> second;  // rotations of the links in the second sample
+  for (const Json& channel : animation.at("channels")) {
+    if (channel.at("target").at("path") != "rotation") continue;
+    const Json& sampler = animation.at("samplers").at(channel.at("sampler").get<std::size_t>());
+    const auto values = parts.values<float>(sampler.at("output"));
+    second.emplace_back(values.begin() + 4, values.begin() + 8);
+  }
+  EXPECT_TRUE(std::ranges::any_of(second, [&](const std::vector<float>& q) {
+    return std::abs(turned.coeffs().dot(Eigen::Vector4f(q.data()))) > 0.999'999F;
+  }));
 }
 
 // A quaternion and its negative are the same attitude, but the way between them is a full turn.

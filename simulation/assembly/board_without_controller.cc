@@ -1,4 +1,4 @@
-#include "simulation/assembly/bare_board.h"
+#include "simulation/assembly/board_without_controller.h"
 
 #include "base/text/error.h"
 #include "simulation/scenario/reader.h"
@@ -19,13 +19,13 @@ const Scenario& without_controller(const Scenario& scenario) {
 
 }  // namespace
 
-void BareBoard::NoController::exchange(const hal::BatchInput&, hal::BatchOutput& output) {
+void BoardWithoutController::NoController::exchange(const hal::BatchInput&, hal::BatchOutput& output) {
   output = {};
   output.watchdog_kicked = true;
   output.drive_enabled = true;
 }
 
-BareBoard::BareBoard(const Scenario& scenario)
+BoardWithoutController::BoardWithoutController(const Scenario& scenario)
     : scenario_(without_controller(scenario)), robot_(read_robot(scenario_)) {
   sim_board::BoardOptions options = board_options(scenario_, robot_);
   options.sensors_on_bus = true;

@@ -11,11 +11,11 @@ namespace koboshi::simulation {
 
 // The robot of a scenario without a controller: drives and sensors on their bus, for an external CANopen
 // master. The drive-enable line, which no bus carries, is high.
-class BareBoard {
+class BoardWithoutController {
  public:
   // Throws InputError for an error in a file of the scenario, and for a scenario with commands or
   // parameters for a controller.
-  explicit BareBoard(const Scenario& scenario);
+  explicit BoardWithoutController(const Scenario& scenario);
 
   void advance() { player_->advance(); }
   bool finished() const { return player_->finished(); }
