@@ -14,6 +14,7 @@ FIELDS = ("can.id canopen.nmt_ctrl.cd canopen.nmt_ctrl.node_id canopen.sync.coun
 COMMANDS = {1: "start", 2: "stop", 128: "enter pre-operational", 129: "reset node", 130: "reset communication"}
 STATES = {0: "boot-up", 4: "stopped", 5: "operational", 127: "pre-operational"}
 ABORT = 4
+BOOLEANS = {"True": "1", "False": "0"}  # so prints a flag since Wireshark 4.2
 
 
 def dissect(log):
@@ -23,7 +24,7 @@ def dissect(log):
                             check=True, capture_output=True, text=True).stdout
     for line in output.splitlines():
         values = dict(zip((field.rpartition(".")[2] for field in FIELDS), line.split("\t"), strict=True))
-        yield {name: value if name == "bytes" else int(value, 0) for name, value in values.items() if value}
+        yield {name: value if name == "bytes" else int(BOOLEANS.get(value, value), 0) for name, value in values.items() if value}
 
 
 def dump(log):
