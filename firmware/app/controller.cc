@@ -57,8 +57,7 @@ Controller::Controller(const hal::Board& board)
                  {.power = values_.parameters,
                   .velocity_limits = values_.velocity_limits,
                   .walk = values_.walk,
-                  .recovery = values_.recovery},
-                 {.torques_permille = values_.drives.torque_permille, .inputs = values_.motion.inputs}),
+                  .recovery = values_.recovery}),
       feedback_(model_),
       requests_(values_, model_, behaviour_, estimator_, drives_),
       executor_(board_.drive_enable, node_, network_, drives_, sensor_nodes_, model_valid_) {}
@@ -87,7 +86,11 @@ void Controller::tick(std::uint64_t now_us) {
   const bool rests = behaviour::kResting.contains(behaviour_.state());
 
   const estimation::RobotState& robot = estimator_.update(drives.angles, rests, now_us);
-  const behaviour::Decision& decision = behaviour_.step(robot, drives, network, now_us);
+  const behaviour::Decision& decision = behaviour_.step({.robot = robot,
+                                                         .drives = drives,
+                                                         .network = network,
+                                                         .values = bus_values(values_),
+                                                         .now_us = now_us});
   requests_.end_calibration();
   executor_.execute(decision, now_us);
   limit_torques(decision);

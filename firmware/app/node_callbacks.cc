@@ -37,14 +37,19 @@ canopen::AbortCode NodeCallbacks::on_write(canopen::ObjectAddress address, std::
 // The deadline of the velocity covers every service that brings one, and a walk before the first one.
 void NodeCallbacks::await_velocity() { parts_.node.restart_rpdo_timer(kVelocityRpdo, now_us_); }
 
-void NodeCallbacks::on_rpdo(std::size_t number) {
-  if (number >= kFirstDriveRpdo) return parts_.drives.on_answer(number - kFirstDriveRpdo);
-  if (number == kVelocityRpdo) parts_.requests.take_velocity();
+bool NodeCallbacks::on_rpdo(std::size_t number) {
+  if (number >= kFirstDriveRpdo) {
+    parts_.drives.on_answer(number - kFirstDriveRpdo);
+    return true;
+  }
+  bool accepted = true;
+  if (number == kVelocityRpdo) accepted = parts_.requests.take_velocity();
   if (number == kCommandRpdo) {
-    parts_.requests.take_command(now_us_);
+    accepted = parts_.requests.take_command(now_us_);
     if (parts_.values.request.command == Command::kWalk) await_velocity();
   }
   execute_decision();
+  return accepted;
 }
 
 // The program that repeats the velocity of a walk is gone: nobody could stop the robot. A robot that does not

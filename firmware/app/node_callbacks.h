@@ -65,7 +65,7 @@ class NodeCallbacks final : public canopen::NodeApplication {
   void on_reset(canopen::NmtCommand reset) override;
   bool starts_itself() override { return (parts_.values.nmt_startup & kNoSelfStart) == 0; }
   void on_state(canopen::NmtState state) override;
-  void on_rpdo(std::size_t number) override;
+  bool on_rpdo(std::size_t number) override;
   bool on_rpdo_timeout(std::size_t number) override;
   void on_heartbeat(const canopen::HeartbeatEvent& event) override;
   void on_emergency(const canopen::Emergency& emergency) override { parts_.drives.on_emergency(emergency); }

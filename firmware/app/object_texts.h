@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <iterator>
 #include <string_view>
 
 #include "firmware/app/dictionary.h"
+#include "firmware/behaviour/state.h"
 #include "firmware/canopen/cia402.h"
 #include "firmware/canopen/described_object.h"
 
@@ -30,24 +32,12 @@ inline constexpr canopen::ValueName kCommandNames[] = {
     canopen::value_name(Command::kGetUp, "get up"),
 };
 
-inline constexpr canopen::ValueName kStateNames[] = {
-    canopen::value_name(State::kBoot, "boot"),
-    canopen::value_name(State::kLimp, "limp"),
-    canopen::value_name(State::kEnabling, "enabling"),
-    canopen::value_name(State::kSoftStart, "soft start"),
-    canopen::value_name(State::kStanding, "standing"),
-    canopen::value_name(State::kMotion, "motion"),
-    canopen::value_name(State::kFault, "fault"),
-    canopen::value_name(State::kEmergencyStop, "emergency stop"),
-    canopen::value_name(State::kWalking, "walking"),
-    canopen::value_name(State::kLowBattery, "low battery"),
-    canopen::value_name(State::kFalling, "falling"),
-    canopen::value_name(State::kFallen, "fallen"),
-    canopen::value_name(State::kRighting, "righting"),
-    canopen::value_name(State::kRolling, "rolling"),
-    canopen::value_name(State::kRising, "rising"),
-    canopen::value_name(State::kSteadying, "steadying"),
-};
+inline constexpr auto kStateNames = [] {
+  std::array<canopen::ValueName, std::size(behaviour::kStates)> names{};
+  for (std::size_t i = 0; i < names.size(); ++i)
+    names[i] = canopen::value_name(behaviour::kStates[i].state, behaviour::kStates[i].name);
+  return names;
+}();
 
 inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kNone, "none"),

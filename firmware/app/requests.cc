@@ -45,19 +45,26 @@ AbortCode Requests::write(canopen::ObjectAddress address, std::uint32_t value, s
   }
 }
 
-void Requests::take_command(std::uint64_t now_us) {
-  // A client that commands by PDO finds the refusal in telemetry.
-  static_cast<void>(execute(values_.request.command, values_.request.argument, now_us));
+bool Requests::take_command(std::uint64_t now_us) {
+  // A client that commands by PDO finds in telemetry that the state does not permit it.
+  return execute(values_.request.command, values_.request.argument, now_us) != AbortCode::kInvalidValue;
 }
 
-void Requests::take_velocity() {
-  static_cast<void>(behaviour_.request_velocity(values_.velocity));
+bool Requests::take_velocity() { return request(values_.velocity); }
+
+// The one check of a velocity, whatever service brought it. The object always shows the velocity in force.
+bool Requests::request(const walk::Velocity& velocity) {
+  const bool obeyed = behaviour_.request_velocity(velocity) == Reason::kNone;
   values_.velocity = behaviour_.velocity();
+  return obeyed;
 }
 
 AbortCode Requests::execute(Command command, std::int16_t argument, std::uint64_t now_us) {
-  const Reason refusal =
-      behaviour_.request(command, argument, estimator_.state(), drives_.enable_conditions(), now_us);
+  const Reason refusal = behaviour_.request(command, argument,
+                                            {.robot = estimator_.state(),
+                                             .drives = drives_.enable_conditions(),
+                                             .values = bus_values(values_),
+                                             .now_us = now_us});
   if (refusal == Reason::kUnknownCommand) return AbortCode::kInvalidValue;
   if (refusal != Reason::kNone) return AbortCode::kDeviceState;
   if (command == Command::kCalibrate) estimator_.begin_calibration();
@@ -66,18 +73,16 @@ AbortCode Requests::execute(Command command, std::int16_t argument, std::uint64_
 
 AbortCode Requests::set_velocity(std::uint8_t subindex, std::int16_t value) {
   const auto part = kVelocityParts[subindex - 1];
-  if (value > values_.velocity_limits.highest().*part) return AbortCode::kValueTooHigh;
-  if (value < values_.velocity_limits.lowest().*part) return AbortCode::kValueTooLow;
   walk::Velocity velocity = behaviour_.velocity();
   velocity.*part = value;
-  behaviour_.set_velocity(velocity);
-  return AbortCode::kNone;
+  if (request(velocity)) return AbortCode::kNone;
+  return value > behaviour_.velocity().*part ? AbortCode::kValueTooHigh : AbortCode::kValueTooLow;
 }
 
 void Requests::set_velocity_limit(std::uint8_t subindex, std::int16_t value) {
   walk::VelocityLimits limits = values_.velocity_limits;
   limits.*kVelocityLimits[subindex - 1] = value;
-  behaviour_.set_velocity(clamped(behaviour_.velocity(), limits));
+  behaviour_.clamp_velocity(limits);
   values_.velocity = behaviour_.velocity();
 }
 
@@ -122,7 +127,7 @@ void Requests::apply_parameters() {
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint)
     set_trim(joint, values_.calibration.trims[joint]);
   apply(values_.calibration);
-  behaviour_.set_velocity(clamped(behaviour_.velocity(), values_.velocity_limits));
+  behaviour_.clamp_velocity(values_.velocity_limits);
   values_.velocity = behaviour_.velocity();
 }
 

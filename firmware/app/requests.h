@@ -11,6 +11,11 @@
 
 namespace koboshi::app {
 
+// The values that motions read from the dictionary.
+[[nodiscard]] inline behaviour::BusValues bus_values(const ControllerValues& values) {
+  return {.torques_permille = values.drives.torque_permille, .inputs = values.motion.inputs};
+}
+
 // Handles what operators request by SDO and PDO: commands, velocities, and parameters that take effect at
 // once. Each request is judged and answered when it arrives.
 class Requests {
@@ -28,9 +33,10 @@ class Requests {
   // Judges a write to one of the controller's objects by an SDO client, and executes it: the answer to
   // NodeApplication::on_write.
   canopen::AbortCode write(canopen::ObjectAddress address, std::uint32_t value, std::uint64_t now_us);
-  // To be called when a PDO has written command and argument, or the velocity, into the dictionary.
-  void take_command(std::uint64_t now_us);
-  void take_velocity();
+  // To be called when a PDO has written command and argument, or the velocity, into the dictionary. Return
+  // false if an SDO client would be told that the values are invalid: they have no effect.
+  [[nodiscard]] bool take_command(std::uint64_t now_us);
+  [[nodiscard]] bool take_velocity();
 
   // Makes every parameter neutral, which has no effect before `apply_parameters`.
   void reset_parameters();
@@ -42,6 +48,7 @@ class Requests {
 
  private:
   canopen::AbortCode execute(behaviour::Command command, std::int16_t argument, std::uint64_t now_us);
+  bool request(const walk::Velocity& velocity);
   canopen::AbortCode set_velocity(std::uint8_t subindex, std::int16_t value);
   void set_velocity_limit(std::uint8_t subindex, std::int16_t value);
   canopen::AbortCode set_calibration(canopen::ObjectAddress address, std::int32_t value);

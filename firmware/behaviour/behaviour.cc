@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "firmware/fixed/saturating.h"
+#include "hal/port/period.h"
 
 namespace koboshi::behaviour {
 namespace {
@@ -21,28 +22,29 @@ Reason silent_sensor(const estimation::RobotState& robot) {
 }  // namespace
 
 Behaviour::Behaviour(const robot::RobotModel& model, bool model_valid, motion::MotionLibrary& motions,
-                     const Parameters& parameters, const BusValues& bus_values)
+                     const Parameters& parameters)
     : model_(model),
       model_valid_(model_valid),
       motions_(motions),
       parameters_(parameters),
-      bus_values_(bus_values),
-      interpreter_(model),
+      player_(model, motions, parameters.recovery),
+      walk_(model),
+      sources_{nullptr, &soft_start_, &player_, &walk_},
       overlay_(model),
-      walker_(model) {}
+      recovery_(model, motions, player_, parameters.recovery) {}
 
-const Decision& Behaviour::step(const estimation::RobotState& robot, const drive::DriveStatus& drives,
-                                const NetworkStatus& network, std::uint64_t now_us) {
-  const Cycle cycle{robot, drives, now_us};
-  measured_ = drives.angles;
-  lowest_supply_mV_ = drives.lowest_supply_mV;
-  watch_for_faults(cycle, network);
-  watch_battery(drives);
+const Decision& Behaviour::step(const Cycle& cycle) {
+  measured_ = cycle.drives.angles;
+  lowest_supply_mV_ = cycle.drives.lowest_supply_mV;
+  watch_for_faults(cycle);
+  watch_battery(cycle.drives);
   watch_for_falls(cycle);
   overlay_.uncover(targets());
   run_state(cycle);
   cover_targets(cycle);
-  if (!interpreter_.running()) motions_.close(storage::Holder::kPlayer);
+  if (!player_.running()) motions_.close(storage::Holder::kPlayer);
+  status_.motion = player_.number();
+  status_.attempts = recovery_.attempts();
   choose_feedback();
   choose_stiffness();
   return decision_;
@@ -51,7 +53,9 @@ const Decision& Behaviour::step(const estimation::RobotState& robot, const drive
 void Behaviour::restart(bool forget, std::uint64_t now_us) {
   if (forget) {
     status_ = {};
-    velocity_ = {};
+    walk_.set_velocity({});
+    player_.forget_number();
+    recovery_.forget_attempts();
     low_supply_.reset();
   }
   enter(State::kBoot, Reason::kNone, now_us);
@@ -59,7 +63,8 @@ void Behaviour::restart(bool forget, std::uint64_t now_us) {
 
 // --- Transitions that any state may make
 
-void Behaviour::watch_for_faults(const Cycle& cycle, const NetworkStatus& network) {
+void Behaviour::watch_for_faults(const Cycle& cycle) {
+  const NetworkStatus& network = cycle.network;
   const auto report = [&](Reason reason) { fail(reason, cycle.drives.fault, cycle.now_us); };
   if (network.left) report(Reason::kNotOperational);
   if (cycle.drives.fault) report(Reason::kDriveFault);
@@ -84,19 +89,23 @@ void Behaviour::watch_for_falls(const Cycle& cycle) {
   if (direction != FallDirection::kNone) begin_falling(direction, cycle);
 }
 
-// Returns the deviation from the lean that the walk plans, or the motion declares, within the bound of the
-// parameters. The rates are never declared.
+void Behaviour::begin_falling(FallDirection direction, const Cycle& cycle) {
+  abort_sources();
+  status_.falls = fixed::add_saturated(status_.falls, std::uint16_t{1});
+  recovery_.fall(direction, targets(), inputs(cycle.robot, cycle.values));
+  handle(Event::kFall, Reason::kFallPredicted, cycle);
+}
+
+Plan Behaviour::plan() const {
+  const MotionSource* const source = this->source();
+  return source != nullptr ? source->plan() : Plan();
+}
+
+// Returns the deviation from the lean that the source plans. The rates are never planned.
 estimation::TrunkMotion Behaviour::deviation(const estimation::RobotState& robot) const {
-  if (status_.state == State::kWalking) return estimation::trunk_motion(robot, walker_.pitch());
-  if (status_.state != State::kMotion) return estimation::trunk_motion(robot, {});
-  const auto bounded = [this](fixed::Angle lean) {
-    constexpr int kScale = 1 << (fixed::Angle::kFractionBits - 16);
-    const std::int32_t bound_raw = parameters_.recovery.max_declared_lean * kScale;
-    return fixed::Angle::from_raw(std::clamp(lean.raw(), -bound_raw, bound_raw));
-  };
-  const motion::Lean lean = interpreter_.lean();
-  estimation::TrunkMotion trunk = estimation::trunk_motion(robot, bounded(lean.pitch));
-  trunk.roll -= bounded(lean.roll);
+  const motion::Lean lean = plan().lean;
+  estimation::TrunkMotion trunk = estimation::trunk_motion(robot, lean.pitch);
+  trunk.roll -= lean.roll;
   return trunk;
 }
 
@@ -120,18 +129,20 @@ void Behaviour::enter(State state, Reason reason, std::uint64_t now_us) {
   status_.reason = reason;
   entered_us_ = now_us;
   if (state != State::kFault) decision_.drive_enable = kTorque.contains(state);
-  if (!kMayOverlay.contains(state)) abort_overlay();
+  if (!kOnItsFeet.contains(state)) abort_overlay();
+  if (!kTorque.contains(state)) abort_sources();
+  recovery_.begin_state();
   switch (state) {
     case State::kBoot:
       status_.drive_fault.kind = drive::DriveFault::kNone;
       decision_.fault.reset();
-      stop_moving();
+      disarm();
       ++decision_.boots;
       break;
     case State::kLimp:
     case State::kEmergencyStop:
     case State::kFallen:
-      stop_moving();
+      disarm();
       set_goal(drive::Goal::kTorqueOff);
       break;
     case State::kEnabling:
@@ -139,26 +150,16 @@ void Behaviour::enter(State state, Reason reason, std::uint64_t now_us) {
       set_goal(drive::Goal::kEnabled);
       break;
     case State::kSoftStart:
-      interpreter_.abort();
+      player_.abort();
       begin_soft_start();
-      break;
-    case State::kStanding:
-    case State::kMotion:
-    case State::kWalking:
-    case State::kRolling:
-    case State::kRising:
-      break;
-    case State::kFalling:
-    case State::kSteadying:
-      rest_detector_.restart();
       break;
     case State::kLowBattery:
       decision_.low_battery = true;
       break;
     case State::kFault:
-      interpreter_.abort();
-      walker_.abort();
       set_goal(drive::Goal::kQuickStop);
+      break;
+    default:
       break;
   }
 }
@@ -168,12 +169,16 @@ void Behaviour::set_goal(drive::Goal goal) {
   ++decision_.goals;
 }
 
-void Behaviour::stop_moving() {
+void Behaviour::abort_sources() {
+  for (MotionSource* const source : sources_) {
+    if (source != nullptr) source->abort();
+  }
+}
+
+// The robot is limp, or about to boot.
+void Behaviour::disarm() {
   decision_.low_battery = false;
-  interpreter_.abort();
-  walker_.abort();
   fall_detector_.disarm();
-  rest_detector_.restart();
 }
 
 // Starts the ramp to the first pose of motion 0. Joints that the pose leaves out stay.
@@ -191,66 +196,50 @@ void Behaviour::begin_soft_start() {
 }
 
 void Behaviour::choose_feedback() {
-  using balance::FeedbackMode;
   decision_.planned_pitch = {};
   decision_.planned_zmp.reset();
-  decision_.feedback = FeedbackMode::kNone;
+  decision_.feedback = balance::FeedbackMode::kNone;
   if (!kBalancing.contains(status_.state)) return;
-  decision_.feedback = FeedbackMode::kStanding;
-  if (status_.state == State::kMotion) decision_.feedback = FeedbackMode::kMotion;
-  if (status_.state != State::kWalking) return;
-  decision_.feedback = FeedbackMode::kWalking;
-  decision_.planned_pitch = walker_.pitch();
-  decision_.planned_zmp = walker_.planned_zmp();
+  const Plan plan = this->plan();
+  decision_.planned_pitch = plan.pitch;
+  decision_.planned_zmp = plan.zmp;
+  decision_.feedback = plan.feedback;
 }
 
 // The joints of two motions are different ones.
 void Behaviour::choose_stiffness() {
+  const motion::Interpreter& motion = player_.interpreter();
   const motion::Interpreter& overlay = overlay_.interpreter();
-  const std::uint32_t softened = interpreter_.softened() | overlay.softened();
+  const std::uint32_t softened = motion.softened() | overlay.softened();
   decision_.softened = softened;
   if (softened == 0) return;
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint)
     decision_.stiffness_percent[joint] =
-        std::min(interpreter_.stiffness_percent(joint), overlay.stiffness_percent(joint));
+        std::min(motion.stiffness_percent(joint), overlay.stiffness_percent(joint));
 }
 
 // --- One cycle of each state
 
 // The corrections of a motion that has ended fade in the states that follow it.
 void Behaviour::run_state(const Cycle& cycle) {
-  if (interpreter_.fading()) play_on(hal::kControlPeriod_us, cycle);
+  if (player_.interpreter().fading())
+    player_.advance(hal::kControlPeriod_us, inputs(cycle.robot, cycle.values), targets());
+  if (kRecovering.contains(status_.state)) return run_recovery(cycle);
+  if (MotionSource* const source = this->source()) return run_source(*source, cycle);
   switch (status_.state) {
     case State::kBoot:
       return run_boot(cycle);
-    case State::kEnabling:
-      return run_enabling(cycle);
-    case State::kSoftStart:
-      return run_soft_start(cycle);
-    case State::kMotion:
-      return run_motion(cycle);
-    case State::kWalking:
-      return run_walking(cycle);
-    case State::kFault:
-      return run_fault(cycle);
     case State::kLimp:
     case State::kEmergencyStop:
       return follow_actual(cycle.drives);
+    case State::kEnabling:
+      return run_enabling(cycle);
     case State::kStanding:
       return run_standing(cycle);
-    case State::kLowBattery:
+    case State::kFault:
+      return run_fault(cycle);
+    default:
       return;
-    case State::kFalling:
-      return run_falling(cycle);
-    case State::kFallen:
-      return run_fallen(cycle);
-    case State::kRighting:
-      return run_righting(cycle);
-    case State::kRolling:
-    case State::kRising:
-      return run_getting_up(cycle);
-    case State::kSteadying:
-      return run_steadying(cycle);
   }
 }
 
@@ -266,40 +255,43 @@ void Behaviour::run_enabling(const Cycle& cycle) {
   if (cycle.drives.enabled) handle(Event::kEnabled, Reason::kProgress, cycle);
 }
 
-void Behaviour::run_soft_start(const Cycle& cycle) {
-  soft_start_.advance(std::int32_t{hal::kControlPeriod_us}, decision_.targets);
-  if (soft_start_.arrived()) handle(Event::kArrived, Reason::kProgress, cycle);
-}
-
 void Behaviour::run_standing(const Cycle& cycle) {
   if (battery_low()) overlay_.stop();
   if (battery_low()) handle(Event::kLowBattery, Reason::kSupplyLow, cycle);
 }
 
-void Behaviour::run_motion(const Cycle& cycle) {
-  if (battery_low()) stop_motions();
-  play_on(hal::kControlPeriod_us, cycle);
-  if (!interpreter_.running()) handle(Event::kEnded, Reason::kProgress, cycle);
+void Behaviour::run_source(MotionSource& source, const Cycle& cycle) {
+  if (battery_low() && kOnItsFeet.contains(status_.state)) {
+    source.stop();
+    overlay_.stop();
+  }
+  source.advance(hal::kControlPeriod_us, inputs(cycle.robot, cycle.values), targets());
+  if (!source.running()) handle(Event::kEnded, Reason::kProgress, cycle);
 }
 
-void Behaviour::play_on(std::uint32_t elapsed_us, const Cycle& cycle) {
-  interpreter_.advance(elapsed_us, inputs(cycle.robot));
-  std::ranges::copy(interpreter_.targets(), decision_.targets.begin());
-  interpreter_.add_corrections(targets(), cycle.robot);
+void Behaviour::run_recovery(const Cycle& cycle) {
+  const auto outcome = recovery_.run(status_.state, cycle.now_us - entered_us_, cycle,
+                                     inputs(cycle.robot, cycle.values), targets());
+  if (!outcome) return;
+  if (outcome->event == Event::kFailure) return fail(outcome->reason, cycle.drives.fault, cycle.now_us);
+  // A robot on its feet that leans falls.
+  if (outcome->event == Event::kUpright) fall_detector_.arm();
+  if (outcome->event == Event::kSteady) status_.risen = fixed::add_saturated(status_.risen, std::uint16_t{1});
+  handle(outcome->event, outcome->reason, cycle);
 }
 
-motion::Inputs Behaviour::inputs(const estimation::RobotState& robot) const {
+motion::Inputs Behaviour::inputs(const estimation::RobotState& robot, const BusValues& values) const {
   return {.robot = robot,
           .angles = {measured_.data(), model_.joint_count},
-          .torques_permille = bus_values_.torques_permille,
+          .torques_permille = values.torques_permille,
           .supply_mV = lowest_supply_mV_,
-          .values = bus_values_.inputs,
+          .values = values.inputs,
           .walking = status_.state == State::kWalking};
 }
 
 // Puts the second motion's targets in place of those of the first layer.
 void Behaviour::cover_targets(const Cycle& cycle) {
-  overlay_.cover(hal::kControlPeriod_us, inputs(cycle.robot), targets());
+  overlay_.cover(hal::kControlPeriod_us, inputs(cycle.robot, cycle.values), targets());
   if (overlay_.playing()) return;
   status_.overlay = Status::kNoOverlay;
   motions_.close(storage::Holder::kSecondPlayer);
@@ -308,22 +300,6 @@ void Behaviour::cover_targets(const Cycle& cycle) {
 void Behaviour::abort_overlay() {
   overlay_.abort();
   status_.overlay = Status::kNoOverlay;
-}
-
-void Behaviour::stop_motions() {
-  interpreter_.stop();
-  overlay_.stop();
-}
-
-void Behaviour::run_walking(const Cycle& cycle) {
-  if (battery_low()) stop_walk();
-  const estimation::RobotState& robot = cycle.robot;
-  walker_.advance(velocity_, {.roll = robot.roll,
-                              .pitch = robot.pitch,
-                              .rates = robot.rates_B,
-                              .loads = {robot.feet[0].load, robot.feet[1].load}});
-  std::ranges::copy(walker_.targets(), decision_.targets.begin());
-  if (!walker_.running()) handle(Event::kEnded, Reason::kProgress, cycle);
 }
 
 void Behaviour::run_fault(const Cycle& cycle) {

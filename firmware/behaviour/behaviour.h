@@ -7,30 +7,20 @@
 
 #include "firmware/balance/feedback.h"
 #include "firmware/behaviour/command.h"
+#include "firmware/behaviour/commanded_walk.h"
+#include "firmware/behaviour/cycle.h"
 #include "firmware/behaviour/fall_detector.h"
+#include "firmware/behaviour/motion_player.h"
+#include "firmware/behaviour/motion_source.h"
 #include "firmware/behaviour/overlay.h"
 #include "firmware/behaviour/parameters.h"
-#include "firmware/behaviour/rest_detector.h"
+#include "firmware/behaviour/recovery.h"
 #include "firmware/behaviour/soft_start.h"
 #include "firmware/behaviour/state.h"
-#include "firmware/drive/drive_group.h"
-#include "firmware/drive/status.h"
-#include "firmware/estimation/robot_state.h"
 #include "firmware/fixed/debounce.h"
-#include "firmware/motion/interpreter.h"
 #include "firmware/motion/motion_library.h"
-#include "firmware/motion/roles.h"
-#include "firmware/walk/walker.h"
-#include "hal/port/period.h"
 
 namespace koboshi::behaviour {
-
-// The state of the network in one cycle, as the controller sees it.
-struct NetworkStatus {
-  bool left = false;              // the controller is no longer operational: another NMT master stopped it
-  Reason bus = Reason::kNone;     // why the bus cannot be used; kNone if it can
-  bool sensors_starting = false;  // silent sensors are no fault yet: the boot began less than 0.5 s ago
-};
 
 // The state of the behaviour, as telemetry shows it.
 struct Status {
@@ -47,12 +37,6 @@ struct Status {
   std::uint16_t faults = 0;
   std::uint16_t falls = 0;
   std::uint16_t risen = 0;
-};
-
-// Values of the object dictionary that motions can read, by joint and by number of the input.
-struct BusValues {
-  std::span<const std::int16_t> torques_permille{};
-  std::span<const std::int16_t> inputs{};
 };
 
 // A fault: the state in which it occurred, and its cause.
@@ -78,9 +62,8 @@ struct Decision {
   bool low_battery = false;          // reported likewise, until the robot is limp
 };
 
-// The second stage of a control cycle: the state machine of the robot. Inputs are the estimated RobotState,
-// the status of the drives and the network, and the operator's commands; the output is a Decision. All
-// transitions are those of the table in state.h.
+// The second stage of a control cycle: the state machine of the robot. Inputs are those of a Cycle and the
+// operator's commands; the output is a Decision. All transitions are those of the table in state.h.
 class Behaviour {
  public:
   static constexpr std::uint32_t kSensorTimeout_us = 50'000;
@@ -90,19 +73,23 @@ class Behaviour {
   // `model_valid`: whether the storage holds a model. Without one the robot boots into a fault. The
   // references must outlive the behaviour.
   Behaviour(const robot::RobotModel& model, bool model_valid, motion::MotionLibrary& motions,
-            const Parameters& parameters, const BusValues& bus_values);
+            const Parameters& parameters);
+  // Its parts know each other.
+  Behaviour(const Behaviour&) = delete;
+  Behaviour& operator=(const Behaviour&) = delete;
 
   // One control cycle of 10 ms. The reference stays valid until the next call.
-  const Decision& step(const estimation::RobotState& robot, const drive::DriveStatus& drives,
-                       const NetworkStatus& network, std::uint64_t now_us);
+  const Decision& step(const Cycle& cycle);
   // Obeys a command at once, or refuses it. May be called at any time. Returns the reason of the refusal,
   // kNone if it was obeyed; `status` keeps it. `kCalibrate` is only judged here: the caller carries it out.
-  Reason request(Command command, std::int16_t argument, const estimation::RobotState& robot,
-                 const drive::EnableConditions& drives, std::uint64_t now_us);
-  // Sets the commanded velocity. Returns false, with the velocity unchanged, if it is beyond the limits.
-  bool request_velocity(const walk::Velocity& velocity);
-  // Sets the commanded velocity without a check: it passed one before.
-  void set_velocity(const walk::Velocity& velocity) { velocity_ = velocity; }
+  Reason request(Command command, std::int16_t argument, const Circumstances& circumstances);
+  // Sets the commanded velocity, which a command or a change of the limits has brought, if it is within the
+  // limits. Returns the reason of the refusal, kNone if it was obeyed; `status` keeps it.
+  Reason request_velocity(const walk::Velocity& velocity);
+  // Brings the commanded velocity within limits that have changed.
+  void clamp_velocity(const walk::VelocityLimits& limits) {
+    walk_.set_velocity(clamped(walk_.velocity(), limits));
+  }
   // Ends a walk as kStop does. Returns whether the robot walked and was not to stop yet. Nothing happens in
   // other states.
   bool stop_walk();
@@ -115,47 +102,34 @@ class Behaviour {
 
   const Status& status() const { return status_; }
   State state() const { return status_.state; }
-  const walk::Velocity& velocity() const { return velocity_; }
+  const walk::Velocity& velocity() const { return walk_.velocity(); }
   const Decision& decision() const { return decision_; }
 
  private:
-  // The inputs of one cycle.
-  struct Cycle {
-    const estimation::RobotState& robot;
-    const drive::DriveStatus& drives;
-    std::uint64_t now_us;
-  };
-
-  // What a command is judged by.
-  struct Judgement {
-    const estimation::RobotState& robot;
-    const drive::EnableConditions& drives;
-    std::uint64_t now_us;
-  };
-
   // Commands (commands.cc).
-  Reason judge(Command command, std::int16_t argument, const Judgement& judgement);
+  Reason judge(Command command, std::int16_t argument, const Circumstances& circumstances);
   Reason obey_event(Event event, std::uint64_t now_us);
-  Reason enable(const Judgement& judgement);
-  Reason refusal_to_enable(const Judgement& judgement) const;
-  Reason play(std::int16_t number, const Judgement& judgement);
-  Reason play_overlay(const motion::Motion& motion, std::uint8_t number, const Judgement& judgement);
-  std::uint32_t walking_joints() const;
-  Reason walk(const Judgement& judgement);
-  Reason get_up(const Judgement& judgement);
+  Reason enable(const Circumstances& circumstances);
+  Reason refusal_to_enable(const Circumstances& circumstances) const;
+  Reason play(std::int16_t number, const Circumstances& circumstances);
+  Reason play_overlay(const motion::Motion& motion, std::uint8_t number, const Circumstances& circumstances);
+  Reason walk(const Circumstances& circumstances);
+  Reason get_up(const Circumstances& circumstances);
   Reason stop();
 
   // Transitions that any state may make (behaviour.cc).
-  void watch_for_faults(const Cycle& cycle, const NetworkStatus& network);
+  void watch_for_faults(const Cycle& cycle);
   void watch_battery(const drive::DriveStatus& drives);
   bool battery_low() const { return low_supply_.reached(kLowReadings); }
   void watch_for_falls(const Cycle& cycle);
+  void begin_falling(FallDirection direction, const Cycle& cycle);
 
   // Changes of state.
   void handle(Event event, Reason reason, const Cycle& cycle);
   void enter(State state, Reason reason, std::uint64_t now_us);
   void set_goal(drive::Goal goal);
-  void stop_moving();
+  void abort_sources();
+  void disarm();
   void begin_soft_start();
   void choose_feedback();
   void choose_stiffness();
@@ -164,34 +138,21 @@ class Behaviour {
   void run_state(const Cycle& cycle);
   void run_boot(const Cycle& cycle);
   void run_enabling(const Cycle& cycle);
-  void run_soft_start(const Cycle& cycle);
   void run_standing(const Cycle& cycle);
-  void run_motion(const Cycle& cycle);
-  void play_on(std::uint32_t elapsed_us, const Cycle& cycle);
-  void run_walking(const Cycle& cycle);
   void run_fault(const Cycle& cycle);
+  void run_source(MotionSource& source, const Cycle& cycle);
+  void run_recovery(const Cycle& cycle);
   void cover_targets(const Cycle& cycle);
   void abort_overlay();
-  void stop_motions();
-  estimation::TrunkMotion deviation(const estimation::RobotState& robot) const;
-  motion::Inputs inputs(const estimation::RobotState& robot) const;
   void follow_actual(const drive::DriveStatus& drives) { decision_.targets = drives.angles; }
 
-  // The states of a fall and of getting up (getting_up.cc).
-  void begin_falling(FallDirection direction, const Cycle& cycle);
-  bool begin_role(motion::Role role, const Cycle& cycle);
-  void run_falling(const Cycle& cycle);
-  void stand_up_straight(Reason reason, const Cycle& cycle);
-  void run_fallen(const Cycle& cycle);
-  void run_righting(const Cycle& cycle);
-  void turn_from_side(motion::Role roll, Reason side, const Cycle& cycle);
-  void rise(motion::Role role, Reason lying, const Cycle& cycle);
-  void rise_from_seat(const Cycle& cycle);
-  fixed::Angle thigh_pitch(const Cycle& cycle) const;
-  void run_getting_up(const Cycle& cycle);
-  void run_steadying(const Cycle& cycle);
-  std::uint32_t pace_percent() const;
-
+  // The source of the present state, null without one.
+  MotionSource* source() const {
+    return sources_[static_cast<std::size_t>(kSourceOf[static_cast<std::size_t>(status_.state)])];
+  }
+  Plan plan() const;
+  estimation::TrunkMotion deviation(const estimation::RobotState& robot) const;
+  motion::Inputs inputs(const estimation::RobotState& robot, const BusValues& values) const;
   std::span<const fixed::Angle> targets() const { return {decision_.targets.data(), model_.joint_count}; }
   std::span<fixed::Angle> targets() { return {decision_.targets.data(), model_.joint_count}; }
 
@@ -201,19 +162,17 @@ class Behaviour {
   const Parameters parameters_;
   Status status_;
   Decision decision_;
-  walk::Velocity velocity_;       // commanded; the last one within the limits
-  std::uint64_t entered_us_ = 0;  // when the present state began
-  fixed::Debounce low_supply_;    // by the drives' readings
-  bool has_rolled_ = false;       // in this attempt to get up
-  const BusValues bus_values_;
+  std::uint64_t entered_us_ = 0;                            // when the present state began
+  fixed::Debounce low_supply_;                              // by the drives' readings
   std::array<fixed::Angle, robot::kMaxJoints> measured_{};  // joint angles of the last cycle
   std::uint32_t lowest_supply_mV_ = 0;                      // in the last cycle
-  motion::Interpreter interpreter_;
-  Overlay overlay_;
-  walk::Walker walker_;
   SoftStart soft_start_;
+  MotionPlayer player_;
+  CommandedWalk walk_;
+  const std::array<MotionSource*, kSources> sources_;  // by Source
+  Overlay overlay_;
   FallDetector fall_detector_;
-  RestDetector rest_detector_;
+  Recovery recovery_;
 };
 
 }  // namespace koboshi::behaviour

@@ -17,45 +17,44 @@ constexpr fixed::Acceleration kMaxAcceleration = 14.7_m_per_s2;
 
 }  // namespace
 
-Reason Behaviour::request(Command command, std::int16_t argument, const estimation::RobotState& robot,
-                          const drive::EnableConditions& drives, std::uint64_t now_us) {
-  status_.refusal = judge(command, argument, {robot, drives, now_us});
+Reason Behaviour::request(Command command, std::int16_t argument, const Circumstances& circumstances) {
+  status_.refusal = judge(command, argument, circumstances);
   return status_.refusal;
 }
 
 // A velocity that is obeyed clears only the refusal of an earlier velocity: velocities come often, and would
 // hide the refusal of a command.
-bool Behaviour::request_velocity(const walk::Velocity& velocity) {
+Reason Behaviour::request_velocity(const walk::Velocity& velocity) {
   const bool obeyed = clamped(velocity, parameters_.velocity_limits) == velocity;
-  if (obeyed) velocity_ = velocity;
+  if (obeyed) walk_.set_velocity(velocity);
   if (!obeyed) status_.refusal = Reason::kVelocityOutOfRange;
   if (obeyed && status_.refusal == Reason::kVelocityOutOfRange) status_.refusal = Reason::kNone;
-  return obeyed;
+  return obeyed ? Reason::kNone : Reason::kVelocityOutOfRange;
 }
 
-Reason Behaviour::judge(Command command, std::int16_t argument, const Judgement& judgement) {
+Reason Behaviour::judge(Command command, std::int16_t argument, const Circumstances& circumstances) {
   switch (command) {
     case Command::kNone:
       return Reason::kNone;
     case Command::kEnable:
-      return enable(judgement);
+      return enable(circumstances);
     case Command::kLimp:
-      return obey_event(Event::kLimp, judgement.now_us);
+      return obey_event(Event::kLimp, circumstances.now_us);
     case Command::kPlay:
-      return play(argument, judgement);
+      return play(argument, circumstances);
     case Command::kStop:
       return stop();
     case Command::kWalk:
-      return walk(judgement);
+      return walk(circumstances);
     case Command::kEmergencyStop:
-      return obey_event(Event::kEmergencyStop, judgement.now_us);
+      return obey_event(Event::kEmergencyStop, circumstances.now_us);
     case Command::kReset:
-      return obey_event(Event::kReset, judgement.now_us);
+      return obey_event(Event::kReset, circumstances.now_us);
     case Command::kCalibrate:
       // The measurement takes a second. If the robot moves meanwhile, the refusal comes later.
       return kResting.contains(status_.state) ? Reason::kNone : Reason::kNotInThisState;
     case Command::kGetUp:
-      return get_up(judgement);
+      return get_up(circumstances);
   }
   return Reason::kUnknownCommand;
 }
@@ -67,14 +66,14 @@ Reason Behaviour::obey_event(Event event, std::uint64_t now_us) {
   return Reason::kNone;
 }
 
-Reason Behaviour::enable(const Judgement& judgement) {
+Reason Behaviour::enable(const Circumstances& circumstances) {
   if (status_.state != State::kLimp) return Reason::kNotInThisState;
-  const Reason refusal = refusal_to_enable(judgement);
-  return refusal == Reason::kNone ? obey_event(Event::kEnable, judgement.now_us) : refusal;
+  const Reason refusal = refusal_to_enable(circumstances);
+  return refusal == Reason::kNone ? obey_event(Event::kEnable, circumstances.now_us) : refusal;
 }
 
-Reason Behaviour::refusal_to_enable(const Judgement& judgement) const {
-  const drive::EnableConditions& drives = judgement.drives;
+Reason Behaviour::refusal_to_enable(const Circumstances& circumstances) const {
+  const drive::EnableConditions& drives = circumstances.drives;
   if (!drives.disabled) return Reason::kDriveNotReady;
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     if ((drives.beyond_limits >> joint & 1u) != 0) return Reason::kEncoderBeyondLimits;
@@ -82,14 +81,14 @@ Reason Behaviour::refusal_to_enable(const Judgement& judgement) const {
     if (supply_mV < parameters_.power.supply_min_mV || supply_mV > parameters_.power.supply_max_mV)
       return Reason::kSupplyOutOfRange;
   }
-  const auto& a = judgement.robot.accelerations_B;
+  const auto& a = circumstances.robot.accelerations_B;
   const fixed::Acceleration magnitude = fixed::hypotenuse(a.x, a.y, a.z);
   const bool plausible = magnitude > kMinAcceleration && magnitude < kMaxAcceleration;
   return plausible ? Reason::kNone : Reason::kImuImplausible;
 }
 
 // In standing it starts the first layer, in a motion or a walk the overlay.
-Reason Behaviour::play(std::int16_t number, const Judgement& judgement) {
+Reason Behaviour::play(std::int16_t number, const Circumstances& circumstances) {
   const bool overlays = status_.state == State::kMotion || status_.state == State::kWalking;
   if (status_.state != State::kStanding && !overlays) return Reason::kNotInThisState;
   motion::Motion motion;
@@ -98,60 +97,54 @@ Reason Behaviour::play(std::int16_t number, const Judgement& judgement) {
   const storage::Holder player = overlays ? storage::Holder::kSecondPlayer : storage::Holder::kPlayer;
   if (number < 0 || !motions_.open_to_play(player, static_cast<std::uint16_t>(number), motion))
     return Reason::kNoSuchMotion;
-  if (overlays) return play_overlay(motion, static_cast<std::uint8_t>(number), judgement);
+  if (overlays) return play_overlay(motion, static_cast<std::uint8_t>(number), circumstances);
   if ((motion.claimed_joints() & overlay_.joints()) != 0) return Reason::kJointsInUse;
-  status_.motion = static_cast<std::uint8_t>(number);
   overlay_.uncover(targets());
-  interpreter_.start(motion, targets(), inputs(judgement.robot));
-  return obey_event(Event::kPlay, judgement.now_us);
+  player_.start(motion, static_cast<std::uint8_t>(number), targets(),
+                inputs(circumstances.robot, circumstances.values));
+  status_.motion = player_.number();
+  return obey_event(Event::kPlay, circumstances.now_us);
 }
 
 Reason Behaviour::play_overlay(const motion::Motion& motion, std::uint8_t number,
-                               const Judgement& judgement) {
+                               const Circumstances& circumstances) {
   const bool walks = status_.state == State::kWalking;
-  const std::uint32_t in_use = walks ? walking_joints() : interpreter_.claimed_joints();
+  const std::uint32_t in_use = walks ? walk_.joints() : player_.interpreter().claimed_joints();
   if ((motion.claimed_joints() & in_use) != 0) return Reason::kJointsInUse;
-  overlay_.start(motion, targets(), inputs(judgement.robot));
+  overlay_.start(motion, targets(), inputs(circumstances.robot, circumstances.values));
   status_.overlay = number;
   return Reason::kNone;
 }
 
-std::uint32_t Behaviour::walking_joints() const {
-  std::uint32_t joints = 0;
-  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
-    for (const robot::JointIndex joint : model_.leg(side)) joints |= 1u << joint;
-  }
-  return joints;
-}
-
 // While the robot walks, the command only cancels a stop. Without a known gyro bias, the estimated attitude
 // drifts: the walk would balance on a wrong attitude, and nothing would detect the fall (watch_for_falls).
-Reason Behaviour::walk(const Judgement& judgement) {
+Reason Behaviour::walk(const Circumstances& circumstances) {
   if (status_.state == State::kWalking) {
-    walker_.resume();
+    walk_.resume();
     return Reason::kNone;
   }
   if (status_.state != State::kStanding) return Reason::kNotInThisState;
   if (!walk::is_gait(parameters_.walk)) return Reason::kNoGait;
-  if (!judgement.robot.gyro_known) return Reason::kGyroBiasUnknown;
-  if ((overlay_.joints() & walking_joints()) != 0) return Reason::kJointsInUse;
+  if (!circumstances.robot.gyro_known) return Reason::kGyroBiasUnknown;
+  if ((overlay_.joints() & walk_.joints()) != 0) return Reason::kJointsInUse;
   overlay_.uncover(targets());
-  interpreter_.abort();
-  walker_.start(parameters_.walk, targets());
-  return obey_event(Event::kWalk, judgement.now_us);
+  player_.abort();
+  walk_.start(parameters_.walk, targets());
+  return obey_event(Event::kWalk, circumstances.now_us);
 }
 
-Reason Behaviour::get_up(const Judgement& judgement) {
+Reason Behaviour::get_up(const Circumstances& circumstances) {
   if (status_.state != State::kLimp) return Reason::kNotInThisState;
+  recovery_.forget_attempts();
   status_.attempts = 0;
-  const Reason refusal = refusal_to_enable(judgement);
-  return refusal == Reason::kNone ? obey_event(Event::kGetUp, judgement.now_us) : refusal;
+  const Reason refusal = refusal_to_enable(circumstances);
+  return refusal == Reason::kNone ? obey_event(Event::kGetUp, circumstances.now_us) : refusal;
 }
 
 bool Behaviour::stop_walk() {
   if (status_.state != State::kWalking) return false;
-  const bool walked = !walker_.stopping();
-  walker_.stop();
+  const bool walked = !walk_.stopping();
+  walk_.stop();
   overlay_.stop();
   return walked;
 }
@@ -159,7 +152,8 @@ bool Behaviour::stop_walk() {
 Reason Behaviour::stop() {
   switch (status_.state) {
     case State::kMotion:
-      stop_motions();
+      player_.stop();
+      overlay_.stop();
       return Reason::kNone;
     case State::kWalking:
       stop_walk();

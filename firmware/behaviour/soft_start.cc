@@ -25,8 +25,9 @@ void SoftStart::begin(std::span<const fixed::Angle> from, std::span<const fixed:
   elapsed_us_ = 0;
 }
 
-void SoftStart::advance(std::int32_t elapsed_us, std::span<fixed::Angle> targets) {
-  elapsed_us_ += elapsed_us;
+void SoftStart::advance(std::uint32_t elapsed_us, const motion::Inputs& /*inputs*/,
+                        std::span<fixed::Angle> targets) {
+  elapsed_us_ += static_cast<std::int32_t>(elapsed_us);
   const fixed::Ratio fraction = fixed::elapsed_fraction(elapsed_us_, duration_us_);
   for (std::size_t joint = 0; joint < joints_; ++joint)
     targets[joint] = fixed::interpolate(from_[joint], to_[joint], fraction);

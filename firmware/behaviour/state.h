@@ -1,29 +1,96 @@
 #pragma once
 
+#include <array>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <optional>
+#include <string_view>
 
 namespace koboshi::behaviour {
 
-// The states of the behaviour. The values are those of telemetry (object 0x2001).
+// The states of the behaviour. The values are those of telemetry (object 0x2001), without a gap; each has a
+// row in kStates.
 enum class State : std::uint8_t {
-  kBoot = 0,       // limp; drives and sensors start
-  kLimp = 1,       // limp and ready
-  kEnabling = 2,   // the drives go to operation enabled, each holding its position
-  kSoftStart = 3,  // slow ramp to the standing pose
+  kBoot = 0,
+  kLimp = 1,
+  kEnabling = 2,
+  kSoftStart = 3,
   kStanding = 4,
   kMotion = 5,
-  kFault = 6,          // the drives stop quickly, then limp
-  kEmergencyStop = 7,  // limp at once, by the drive-enable line; latched
-  kWalking = 8,        // at the commanded velocity
-  kLowBattery = 9,     // stands; refuses to move until it has been limp
-  kFalling = 10,       // moves into the protective pose
-  kFallen = 11,        // limp until the robot is at rest
-  kRighting = 12,      // the drives go to operation enabled again, each holding the position it has
-  kRolling = 13,       // from its side onto chest or back
+  kFault = 6,
+  kEmergencyStop = 7,
+  kWalking = 8,
+  kLowBattery = 9,
+  kFalling = 10,
+  kFallen = 11,
+  kRighting = 12,
+  kRolling = 13,
   kRising = 14,
-  kSteadying = 15,  // has risen; waits until the robot is at rest
+  kSteadying = 15,
+};
+
+// What generates the joint targets of a state (motion_source.h); kNone: the targets stay, or follow the
+// joints.
+enum class Source : std::uint8_t { kNone, kSoftStart, kMotion, kWalk };
+inline constexpr std::size_t kSources = 4;
+
+// Properties of states, combined by |.
+using Traits = std::uint16_t;
+// The robot is on its feet and plays, walks or stands: a second motion may play on joints that nothing else
+// moves.
+inline constexpr Traits kIsOnItsFeet = 1u << 0;
+// Feedback may correct the joints.
+inline constexpr Traits kBalances = 1u << 1;
+// Falls are detected.
+inline constexpr Traits kFalls = 1u << 2;
+// The drives may make torque: the drive-enable line is high. In kFault it keeps its level until the drives
+// have stopped.
+inline constexpr Traits kHasTorque = 1u << 3;
+// The drives make no torque, so that the robot rests unless somebody carries it: the gyro's bias is measured.
+inline constexpr Traits kRests = 1u << 4;
+// Storage may be written. A motion that is played is pinned in storage, so that it stays. The check of a new
+// motion takes milliseconds, which are too long for the balance of a walk or of getting up.
+inline constexpr Traits kStores = 1u << 5;
+// Only a reset leads out of it.
+inline constexpr Traits kIsLatched = 1u << 6;
+// Class Recovery runs it.
+inline constexpr Traits kRecovers = 1u << 7;
+// A part of standing up.
+inline constexpr Traits kGetsUp = 1u << 8;
+
+// What a state is, beside the transitions that lead to and from it (kRules). Everything that depends on
+// states derives from this table: sets of states, names on the bus and in recordings.
+struct StateRow {
+  State state;
+  std::string_view name;
+  Traits traits;
+  Source source = Source::kNone;
+};
+
+inline constexpr Traits kOnFeet = kIsOnItsFeet | kBalances | kFalls | kHasTorque;
+inline constexpr Traits kUpAgain = kRecovers | kGetsUp | kHasTorque;
+
+// By the value of the state.
+inline constexpr StateRow kStates[] = {
+    {State::kBoot, "boot", kRests},  // limp; drives and sensors start
+    {State::kLimp, "limp", kRests | kStores},
+    {State::kEnabling, "enabling",
+     kHasTorque},  // the drives go to operation enabled, each holding its position
+    {State::kSoftStart, "soft start", kFalls | kHasTorque, Source::kSoftStart},  // to the standing pose
+    {State::kStanding, "standing", kOnFeet | kStores},
+    {State::kMotion, "motion", kOnFeet | kStores, Source::kMotion},
+    {State::kFault, "fault", kIsLatched},                   // the drives stop quickly, then limp
+    {State::kEmergencyStop, "emergency stop", kIsLatched},  // limp at once, by the drive-enable line
+    {State::kWalking, "walking", kOnFeet, Source::kWalk},   // at the commanded velocity
+    {State::kLowBattery, "low battery", kOnFeet},           // stands; refuses to move until it has been limp
+    {State::kFalling, "falling", kRecovers | kHasTorque},   // moves into the protective pose
+    {State::kFallen, "fallen", kRecovers | kRests},         // limp until the robot is at rest
+    {State::kRighting, "righting", kUpAgain},               // the drives go to operation enabled again
+    {State::kRolling, "rolling", kUpAgain},                 // from its side onto chest or back
+    {State::kRising, "rising", kUpAgain},
+    {State::kSteadying, "steadying", kUpAgain | kBalances | kFalls},  // has risen; waits until it is at rest
 };
 
 enum class Event : std::uint8_t {
@@ -35,9 +102,8 @@ enum class Event : std::uint8_t {
   kReset,
   kEmergencyStop,
   kEnabled,  // all drives are in operation enabled
-  kArrived,  // at the standing pose
   kGetUp,
-  kEnded,  // of a motion or a walk
+  kEnded,  // of the state's source of targets
   kLowBattery,
   kFall,                // detected, before the impact
   kDown,                // on the ground, or about to be
@@ -45,6 +111,7 @@ enum class Event : std::uint8_t {
   kProneOrSupine,       // on chest or back
   kOnSide,              // on a side
   kUpright,             // the robot is not lying down
+  kSteady,              // at rest on its feet, having risen
   kRecoveryStepFailed,  // the body is not where it should be by now
   kFailure,             // a drive, a sensor or the bus failed
 };
@@ -96,6 +163,12 @@ class States {
  public:
   template <std::same_as<State>... S>
   explicit constexpr States(S... states) : bits_((0u | ... | bit(states))) {}
+  // The states with this trait.
+  static constexpr States with(Traits trait) {
+    std::uint32_t bits = 0;
+    for (const StateRow& row : kStates) bits |= (row.traits & trait) != 0 ? bit(row.state) : 0;
+    return States(bits);
+  }
 
   constexpr bool contains(State state) const { return (bits_ & bit(state)) != 0; }
   // Returns all other states.
@@ -103,7 +176,7 @@ class States {
   constexpr States operator|(States other) const { return States(bits_ | other.bits_); }
 
  private:
-  static constexpr std::uint32_t kAll = (1u << (static_cast<unsigned>(State::kSteadying) + 1)) - 1;
+  static constexpr std::uint32_t kAll = (1u << std::size(kStates)) - 1;
 
   explicit constexpr States(std::uint32_t bits) : bits_(bits) {}
   static constexpr std::uint32_t bit(State state) { return 1u << static_cast<unsigned>(state); }
@@ -111,23 +184,29 @@ class States {
   std::uint32_t bits_;
 };
 
-// The robot is on its feet, and feedback may correct its joints.
-inline constexpr States kBalancing{State::kStanding, State::kMotion, State::kWalking, State::kLowBattery,
-                                   State::kSteadying};
-inline constexpr States kMayFall = kBalancing | States{State::kSoftStart};
-// The drives may make torque: the drive-enable line is high. In kFault it keeps its level until the drives
-// have stopped.
-inline constexpr States kTorque =
-    kMayFall | States{State::kEnabling, State::kFalling, State::kRighting, State::kRolling, State::kRising};
-// A second motion may play on joints that nothing else moves.
-inline constexpr States kMayOverlay{State::kStanding, State::kMotion, State::kWalking, State::kLowBattery};
-// The drives make no torque, so that the robot rests unless somebody carries it: the gyro's bias is measured.
-inline constexpr States kResting{State::kBoot, State::kLimp, State::kFallen};
-// Storage may be written. A motion that is played is pinned in storage, so that it stays. The check of a new
-// motion takes milliseconds, which are too long for the balance of a walk or of getting up.
-inline constexpr States kMayStore{State::kLimp, State::kStanding, State::kMotion};
-// Only a reset leads out of them.
-inline constexpr States kLatched{State::kFault, State::kEmergencyStop};
+inline constexpr States kOnItsFeet = States::with(kIsOnItsFeet);
+inline constexpr States kBalancing = States::with(kBalances);
+inline constexpr States kMayFall = States::with(kFalls);
+inline constexpr States kTorque = States::with(kHasTorque);
+inline constexpr States kResting = States::with(kRests);
+inline constexpr States kMayStore = States::with(kStores);
+inline constexpr States kLatched = States::with(kIsLatched);
+inline constexpr States kRecovering = States::with(kRecovers);
+inline constexpr States kGettingUp = States::with(kGetsUp);
+
+// By state, without the names, which an image does not need.
+inline constexpr auto kSourceOf = [] {
+  std::array<Source, std::size(kStates)> sources{};
+  for (std::size_t i = 0; i < sources.size(); ++i) sources[i] = kStates[i].source;
+  return sources;
+}();
+static_assert(
+    [] {
+      for (std::size_t i = 0; i < std::size(kStates); ++i)
+        if (static_cast<std::size_t>(kStates[i].state) != i) return false;
+      return true;
+    }(),
+    "row i is that of state i");
 
 // A transition: in any of the states `from`, the event leads to the state `to`.
 struct Rule {
@@ -142,7 +221,7 @@ inline constexpr Rule kRules[] = {
     {States{State::kBoot}, Event::kReady, State::kLimp},
     {States{State::kLimp}, Event::kEnable, State::kEnabling},
     {States{State::kEnabling}, Event::kEnabled, State::kSoftStart},
-    {States{State::kSoftStart}, Event::kArrived, State::kStanding},
+    {States{State::kSoftStart}, Event::kEnded, State::kStanding},
     {States{State::kStanding}, Event::kPlay, State::kMotion},
     {States{State::kStanding}, Event::kWalk, State::kWalking},
     {States{State::kMotion, State::kWalking}, Event::kEnded, State::kStanding},
@@ -155,7 +234,7 @@ inline constexpr Rule kRules[] = {
     {States{State::kRolling}, Event::kEnded, State::kRighting},
     {States{State::kRighting}, Event::kProneOrSupine, State::kRising},
     {States{State::kRising}, Event::kEnded, State::kSteadying},
-    {States{State::kSteadying}, Event::kArrived, State::kStanding},
+    {States{State::kSteadying}, Event::kSteady, State::kStanding},
     {States{State::kFalling, State::kRighting}, Event::kUpright, State::kSoftStart},
     {States{State::kRighting, State::kRolling, State::kRising, State::kSteadying}, Event::kRecoveryStepFailed,
      State::kFallen},

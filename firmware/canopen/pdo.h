@@ -136,6 +136,13 @@ class PdoRecord {
     }
     return 0;
   }
+  // All objects of the mapping but its gaps: bit i, object i.
+  std::uint8_t mapped_mask() const {
+    unsigned mask = 0;
+    for (std::size_t i = 0; i < mapped_count_; ++i)
+      mask |= objects_[i].offset != MappedObject::kDummy ? 1u << i : 0u;
+    return static_cast<std::uint8_t>(mask);
+  }
   // Object `i` of the mapping.
   ObjectAddress mapped_address(std::size_t i) const { return {objects_[i].index, objects_[i].subindex}; }
 

@@ -209,11 +209,12 @@ AbortCode Drive::on_write(canopen::ObjectAddress address, std::uint32_t value) {
 
 // Whichever it was, it may carry a controlword, and it has waited for the SYNC already if it had to. A target
 // beside the controlword is for the operation that the controlword enables.
-void Drive::on_rpdo(std::size_t number) {
+bool Drive::on_rpdo(std::size_t number) {
   const std::int32_t target = values_.target_position;
   obey(values_.controlword);
   if (node_.receives(number, kTarget)) give_target(target);
   show();
+  return true;
 }
 
 void Drive::on_sync(std::uint64_t now_us) {

@@ -86,7 +86,7 @@ class Drive final : private BusNode,
   }
   void on_node_id(std::uint8_t node_id) override { description_.second_sdo = pc_channel(node_id); }
   void on_reset(canopen::NmtCommand reset) override;
-  void on_rpdo(std::size_t number) override;
+  bool on_rpdo(std::size_t number) override;
   void on_sync(std::uint64_t now_us) override;
   void on_state(canopen::NmtState state) override;
   void on_heartbeat(const canopen::HeartbeatEvent& event) override;

@@ -264,7 +264,7 @@ void EventLog::tell_state(std::uint64_t time_us, const Telemetry& said) {
       down_by_ = "the fall was detected";
       return tell("fall_predicted", "A fall is detected: takes the pose of " + motion + ".");
     case State::kFallen:
-      if (gets_up(said_.state))
+      if (behaviour::kGettingUp.contains(said_.state))
         return tell("recovery_failed", "The attempt to get up has failed: " + reason_text(said) + ".");
       if (!down_us_) {
         down_us_ = time_us;
@@ -309,8 +309,8 @@ void EventLog::follow_truth(std::uint64_t now_us) {
   if (truth_.tilt_rad >= kUpAgain_rad) return;
   was_upright_ = true;
   is_down_ = false;
-  const bool on_its_feet = behaviour::kBalancing.contains(said_.state) && said_.state != State::kSteadying;
-  if (!falls_.empty() && !falls_.back().up_us && on_its_feet) falls_.back().up_us = now_us;
+  if (!falls_.empty() && !falls_.back().up_us && behaviour::kOnItsFeet.contains(said_.state))
+    falls_.back().up_us = now_us;
 }
 
 void EventLog::follow_scenario(std::uint64_t now_us, std::span<const Push> pushes) {

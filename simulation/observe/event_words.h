@@ -17,12 +17,6 @@ namespace koboshi::simulation {
 // from being counted as several falls.
 inline constexpr double kUpAgain_rad = 0.5 * kFallen_rad;
 
-// Returns whether the state is a part of standing up.
-[[nodiscard]] constexpr bool gets_up(behaviour::State state) {
-  return state == behaviour::State::kRighting || state == behaviour::State::kRolling ||
-         state == behaviour::State::kRising || state == behaviour::State::kSteadying;
-}
-
 [[nodiscard]] std::string name_of(behaviour::State state);
 [[nodiscard]] std::string name_of(behaviour::Reason reason);
 // Returns whether the controller's state contradicts this lean of the trunk: beyond

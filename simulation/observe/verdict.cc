@@ -34,8 +34,7 @@ std::vector<RunEvent> EventLog::events(bool controller_is_dead) const {
 }
 
 bool EventLog::stands() const {
-  return truth_.tilt_rad < kUpAgain_rad && behaviour::kBalancing.contains(said_.state) &&
-         said_.state != behaviour::State::kSteadying;
+  return truth_.tilt_rad < kUpAgain_rad && behaviour::kOnItsFeet.contains(said_.state);
 }
 
 std::string EventLog::posture(bool controller_is_dead) const {
@@ -89,7 +88,7 @@ std::string EventLog::falls_text() const {
     return text + fmt::format(" and finally got up, in {}",
                               seconds_text(*falls_.back().up_us - falls_.front().at_us, 1));
   if (risen > 0) text += fmt::format(", got up {} of them", risen);
-  return text + (gets_up(said_.state) ? " and is getting up" : " and did not get up");
+  return text + (behaviour::kGettingUp.contains(said_.state) ? " and is getting up" : " and did not get up");
 }
 
 }  // namespace koboshi::simulation

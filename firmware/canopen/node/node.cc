@@ -231,9 +231,9 @@ void Node::on_rpdo(std::size_t number, const hal::CanFrame& frame, std::uint64_t
 
 void Node::take_effect(std::size_t number, Rpdo& pdo, const std::array<std::uint8_t, 8>& data) {
   pdo.pending = false;
-  const std::uint8_t refused = pdo.record.unpack(dictionary_, data.data());
+  std::uint8_t refused = pdo.record.unpack(dictionary_, data.data());
+  if (!application_.on_rpdo(number)) refused = pdo.record.mapped_mask();
   if (refused != pdo.refused) note_refusal(number, refused);
-  application_.on_rpdo(number);
 }
 
 void Node::send_sync(std::uint64_t now_us) {

@@ -71,8 +71,9 @@ class NodeApplication {
   virtual void on_sync(std::uint64_t /*now_us*/) {}
   // RPDO `number` (from 0) has taken effect, but for values that its objects do not take: these are ignored,
   // with EMCY 0x6320 for each of them when it begins, and the object's index and sub-index and the PDO's
-  // number (from 1) in its manufacturer field.
-  virtual void on_rpdo(std::size_t /*number*/) {}
+  // number (from 1) in its manufacturer field. Returns false if the owner does not take its values, which
+  // then have no effect; the node reports all of its objects in this way.
+  virtual bool on_rpdo(std::size_t /*number*/) { return true; }
   // RPDO `number` has been silent for longer than its event timer: once, until the timer starts again.
   // Returns whether that is an error, which the node then reports.
   virtual bool on_rpdo_timeout(std::size_t /*number*/) { return true; }

@@ -136,7 +136,7 @@ TEST(ControllerRobustness, SurvivesRandomFrames) {
   constexpr std::uint64_t kEpisode = 20'000;    // frames for one controller, before a new one starts
   constexpr std::uint32_t kMaxFuzzFrames = 24;  // per millisecond; leaves room for the drives' answers
   const std::uint64_t frames = test::frames_to_survive();
-  std::array<std::uint64_t, static_cast<std::size_t>(State::kSteadying) + 1> visits{};  // ms in each state
+  std::array<std::uint64_t, std::size(behaviour::kStates)> visits{};  // ms in each state
   std::uint64_t delivered = 0;
   std::uint64_t sent = 0;
   for (std::uint64_t episode = 0; delivered < frames; ++episode) {

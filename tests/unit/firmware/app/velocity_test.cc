@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
+#include "firmware/canopen/emergency.h"
 #include "firmware/canopen/frame.h"
 #include "tests/support/controller_bench.h"
 
@@ -67,6 +70,48 @@ TEST(ControllerVelocity, OutOfRangeInAFrameIsRefusedAsAWhole) {
     EXPECT_EQ(bench.now().refusal, Reason::kVelocityOutOfRange);
     EXPECT_EQ(bench.values().velocity, (Velocity{100, 20, -30}));
   }
+}
+
+// Both services have the same check and the same effects; an SDO client is told by an abort, the sender of a
+// frame by an emergency message for each of its objects, once.
+TEST(ControllerVelocity, OutOfRangeIsReportedWhateverServiceBroughtIt) {
+  ControllerBench bench;
+  bench.run_ms(10);
+  EXPECT_EQ(write(bench, kVelocityObject, 1, 301), 0x0609'0031u);
+  EXPECT_EQ(bench.now().refusal, Reason::kVelocityOutOfRange);
+  EXPECT_EQ(write(bench, kVelocityObject, 1, 300), 0u);
+  EXPECT_EQ(bench.now().refusal, Reason::kNone);
+  bench.sent.clear();
+  send(bench, {0, 0, 1001});
+  send(bench, {0, 0, 1002});
+  std::vector<std::uint8_t> reported;
+  for (const auto& sent : bench.sent) {
+    const hal::CanFrame& frame = sent.frame;
+    if (frame.identifier != 0x081) continue;
+    EXPECT_EQ(canopen::load_u16(&frame.data[0]), canopen::error_code::kParameter);
+    EXPECT_EQ(canopen::load_u16(&frame.data[3]), kVelocityObject);
+    reported.push_back(frame.data[5]);
+  }
+  EXPECT_EQ(reported, (std::vector<std::uint8_t>{1, 2, 3}));
+  bench.sent.clear();
+  send(bench, {0, 0, 1000});
+  const auto cleared = bench.last_sent(0x081);
+  ASSERT_TRUE(cleared);
+  EXPECT_EQ(canopen::load_u16(&cleared->data[0]), canopen::error_code::kNoError);
+}
+
+TEST(ControllerCommand, UnknownIsReportedWhateverServiceBroughtIt) {
+  ControllerBench bench;
+  bench.run_ms(10);
+  bench.sent.clear();
+  bench.command(static_cast<Command>(77));
+  const auto reported = bench.last_sent(0x081);
+  ASSERT_TRUE(reported);
+  EXPECT_EQ(canopen::load_u16(&reported->data[0]), canopen::error_code::kParameter);
+  EXPECT_EQ(canopen::load_u16(&reported->data[3]), kRequestObject);
+  bench.sent.clear();
+  bench.command(Command::kPlay, 1);  // the state does not permit it, which telemetry tells
+  EXPECT_EQ(canopen::load_u16(&bench.last_sent(0x081)->data[0]), canopen::error_code::kNoError);
 }
 
 TEST(ControllerVelocity, DoesNotHideTheRefusalOfACommand) {

@@ -22,7 +22,7 @@ class BehaviourStage : public testing::Test {
  protected:
   explicit BehaviourStage(bool model_valid = true)
       : behaviour(model, model_valid, motions,
-                  {.power = power, .velocity_limits = limits, .walk = gait, .recovery = recovery}, {}) {
+                  {.power = power, .velocity_limits = limits, .walk = gait, .recovery = recovery}) {
     flash.load(0, test::factory_storage());
     catalogue.emplace(flash.contents());
     items.emplace(flash, storage::kRobotLogSize_bytes);
@@ -41,11 +41,13 @@ class BehaviourStage : public testing::Test {
 
   const Decision& step(int cycles = 1) {
     for (int i = 0; i < cycles; ++i)
-      static_cast<void>(behaviour.step(robot, drives, network, now_us += 10'000));
+      static_cast<void>(behaviour.step(
+          {.robot = robot, .drives = drives, .network = network, .values = {}, .now_us = now_us += 10'000}));
     return behaviour.decision();
   }
   Reason request(Command command, std::int16_t argument = 0) {
-    return behaviour.request(command, argument, robot, conditions, now_us);
+    return behaviour.request(command, argument,
+                             {.robot = robot, .drives = conditions, .values = {}, .now_us = now_us});
   }
   void boot() {
     drives.configured = drives.booted = true;
@@ -186,8 +188,8 @@ TEST_F(BehaviourStage, DoesNotUseAGyroWithoutBias) {
 }
 
 TEST_F(BehaviourStage, KeepsTheLastVelocityThatIsWithinItsLimits) {
-  EXPECT_TRUE(behaviour.request_velocity({.forward_mm_per_s = 100}));
-  EXPECT_FALSE(behaviour.request_velocity({.forward_mm_per_s = 2'000}));
+  EXPECT_EQ(behaviour.request_velocity({.forward_mm_per_s = 100}), Reason::kNone);
+  EXPECT_EQ(behaviour.request_velocity({.forward_mm_per_s = 2'000}), Reason::kVelocityOutOfRange);
   EXPECT_EQ(behaviour.velocity().forward_mm_per_s, 100);
   EXPECT_EQ(behaviour.status().refusal, Reason::kVelocityOutOfRange);
 }

@@ -11,12 +11,11 @@
 namespace koboshi::behaviour {
 namespace {
 
-constexpr auto kLastState = static_cast<int>(State::kSteadying);
 constexpr auto kLastEvent = static_cast<int>(Event::kFailure);
 
 std::vector<State> states() {
   std::vector<State> all;
-  for (int i = 0; i <= kLastState; ++i) all.push_back(static_cast<State>(i));
+  for (const StateRow& row : kStates) all.push_back(row.state);
   return all;
 }
 

@@ -10,9 +10,11 @@ namespace koboshi::behaviour {
 namespace {
 
 constexpr std::int16_t kSixtyDegreesASecond = 683;
-constexpr std::int32_t kTick_us = 10'000;
+constexpr std::uint32_t kTick_us = 10'000;
 
 using Pose = std::array<fixed::Angle, 3>;
+
+const estimation::RobotState robot;  // a ramp does not depend on it
 
 TEST(SoftStart, ArrivesWithAllJointsAtOnceAndTurnsNoneFasterThanItsRate) {
   const Pose from{};
@@ -21,9 +23,9 @@ TEST(SoftStart, ArrivesWithAllJointsAtOnceAndTurnsNoneFasterThanItsRate) {
   ramp.begin(from, to, kSixtyDegreesASecond);
   Pose targets = from;
   int ticks = 0;
-  while (!ramp.arrived()) {
+  while (ramp.running()) {
     const Pose before = targets;
-    ramp.advance(kTick_us, targets);
+    ramp.advance(kTick_us, {.robot = robot}, targets);
     ++ticks;
     EXPECT_LE(targets[0].raw() - before[0].raw(), test::degrees(0.61).raw());
     EXPECT_NEAR(targets[1].raw(), -targets[0].raw() / 3, 2);
@@ -39,7 +41,7 @@ TEST(SoftStart, TakesAtLeastHalfASecond) {
   ramp.begin(pose, pose, kSixtyDegreesASecond);
   Pose targets{};
   int ticks = 0;
-  for (; !ramp.arrived(); ++ticks) ramp.advance(kTick_us, targets);
+  for (; ramp.running(); ++ticks) ramp.advance(kTick_us, {.robot = robot}, targets);
   EXPECT_EQ(ticks, 50);
 }
 

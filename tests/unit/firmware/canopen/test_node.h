@@ -241,7 +241,10 @@ class TestNode final : public NodeApplication, public DeviceOwner {
     ++syncs;
     values.statusword = next_statusword;
   }
-  void on_rpdo(std::size_t number) override { rpdos.push_back(number); }
+  bool on_rpdo(std::size_t number) override {
+    rpdos.push_back(number);
+    return takes_rpdos;
+  }
   bool on_rpdo_timeout(std::size_t number) override {
     silent_rpdos.push_back(number);
     return true;
@@ -271,6 +274,7 @@ class TestNode final : public NodeApplication, public DeviceOwner {
   std::vector<TimeOfDay> times;
   std::vector<NmtState> states;
   std::vector<std::size_t> rpdos;
+  bool takes_rpdos = true;
   std::vector<std::size_t> silent_rpdos;
   std::vector<HeartbeatEvent> heartbeats;
   std::vector<Emergency> emergencies;

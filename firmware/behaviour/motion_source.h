@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "firmware/balance/feedback.h"
+#include "firmware/fixed/units.h"
+#include "firmware/motion/inputs.h"
+#include "firmware/motion/instructions.h"
+#include "firmware/walk/walker.h"
+
+namespace koboshi::behaviour {
+
+// What a source plans for the trunk and the ZMP, and by which feedback it is balanced.
+struct Plan {
+  motion::Lean lean;                      // of the trunk: only what deviates from it may be a fall
+  fixed::Angle pitch;                     // of the trunk, forward positive: the feedback holds it
+  std::optional<walk::PlannedZmp> zmp{};  // for the end of the cycle
+  balance::FeedbackMode feedback = balance::FeedbackMode::kStanding;
+};
+
+// Generates the joint targets of the states whose row in state.h names it. A new source is a class of this
+// kind, an enumerator of Source, and a member of Behaviour that is registered there.
+class MotionSource {
+ public:
+  // Advances by `elapsed_us` and writes the targets, one for each joint.
+  virtual void advance(std::uint32_t elapsed_us, const motion::Inputs& inputs,
+                       std::span<fixed::Angle> targets) = 0;
+  // Ends it in an orderly way, which may take many cycles; without effect when it has ended.
+  virtual void stop() = 0;
+  // Ends it at once: it writes no more targets.
+  virtual void abort() = 0;
+  [[nodiscard]] virtual bool running() const = 0;
+  [[nodiscard]] virtual Plan plan() const { return {}; }
+
+ protected:
+  ~MotionSource() = default;
+};
+
+}  // namespace koboshi::behaviour
