@@ -1,5 +1,6 @@
 #include "firmware/behaviour/lying_pose.h"
 
+#include "firmware/behaviour/posture.h"
 #include "firmware/fixed/literals.h"
 
 namespace koboshi::behaviour {
@@ -8,12 +9,8 @@ using namespace fixed::literals;
 
 namespace {
 
-// Limits between poses that are far apart, set by hand (2026-11-22) with the pushes of
-// docs/experiment/stand-up.md; docs/design/getting-up.md says what follows from each pose.
-constexpr fixed::Ratio kUprightCosine = 0.966_ratio;      // 15 degrees
-constexpr fixed::Ratio kRestsOnFeetCosine = 0.866_ratio;  // 30
-constexpr fixed::Ratio kSittingCosine = 0.6_ratio;        // 53
-constexpr fixed::Ratio kDownCosine = 0.5_ratio;           // 60
+// Limits between poses that are far apart, set by hand (2026-11-22) like those of posture.h;
+// docs/design/getting-up.md says what follows from each pose.
 constexpr fixed::Angle kRaisedThigh = -45.0_deg;
 // The robot lies on its side if the trunk is turned by more than 55 degrees from chest or back, tan 55 deg =
 // 1.43 = 10 / 7. With less, it lies on a shoulder and the chest, and rolls onto the chest as soon as an arm

@@ -17,6 +17,7 @@
 #include "sim_board/description/load.h"
 #include "sim_board/engine/make_world.h"
 #include "sim_board/random/random_stream.h"
+#include "simulation/observe/posture.h"
 
 namespace koboshi::tools {
 namespace {
@@ -93,7 +94,7 @@ StandUpTrial play(const simulation::Scenario& start, const sim_board::RobotDescr
                        observer.observe(simulation, recorder);
                        state = recorder.telemetry().state;
                        if (observer.history().stands > 0 && stood_s == 0.0) {
-                         const bool upright = recorder.truth().tilt_rad < kUpright_rad;
+                         const bool upright = recorder.truth().tilt_rad < simulation::kUpright_rad;
                          if (upright) stood_s = simulation.board().world().time_s();
                        }
                        return stood_s > 0.0 || state == behaviour::State::kFault;

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/observe/posture.h"
+
 namespace koboshi::tools {
 namespace {
 
-constexpr double kStill_rad_per_s = 0.15;
-constexpr double kMinStandingHeight = 0.8;     // of a trunk that stands; one that sits is lower
 constexpr std::uint64_t kSteady_us = 500'000;  // of standing, after which nothing more happens
 
 }  // namespace
@@ -23,8 +23,7 @@ GettingUp::GettingUp(const simulation::Scenario& scenario) : begin_us_(scenario.
 bool GettingUp::observe(const simulation::GroundTruth& truth, std::uint64_t now_us) {
   const double height = std::clamp(truth.p_WB_W.z() / truth.pose_height_m, 0.0, 1.0);
   uprightness_ = 0.25 * (1.0 + std::cos(truth.tilt_rad)) + 0.5 * height;
-  const bool stands = now_us >= begin_us_ && truth.tilt_rad < kUpright_rad && height > kMinStandingHeight &&
-                      truth.w_WB_W.norm() < kStill_rad_per_s;
+  const bool stands = now_us >= begin_us_ && simulation::stands_still(truth);
   if (!stands) {
     stands_since_us_.reset();
   } else if (!stands_since_us_) {

@@ -1,15 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <numbers>
 #include <optional>
 
 #include "lab/trial/scenario_trial.h"
 #include "simulation/scenario/scenario.h"
 
 namespace koboshi::tools {
-
-inline constexpr double kUpright_rad = std::numbers::pi / 12.0;  // largest tilt of a robot that stands
 
 // Observes how a robot that lies comes to stand.
 class GettingUp {

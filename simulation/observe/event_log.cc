@@ -9,6 +9,7 @@
 #include "firmware/canopen/frame.h"
 #include "firmware/drive/configuration.h"
 #include "simulation/observe/event_words.h"
+#include "simulation/observe/posture.h"
 
 namespace koboshi::simulation {
 namespace {

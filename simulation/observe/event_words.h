@@ -5,17 +5,13 @@
 
 #include "firmware/behaviour/state.h"
 #include "firmware/walk/velocity.h"
-#include "simulation/observe/ground_truth.h"
+#include "simulation/observe/posture.h"
 #include "simulation/observe/telemetry.h"
 #include "simulation/scenario/scenario.h"
 
 namespace koboshi::simulation {
 
-// Texts of events and verdicts, and the thresholds behind them.
-
-// Lean below which a fallen trunk counts as up again. The hysteresis to kFallen_rad keeps a swaying trunk
-// from being counted as several falls.
-inline constexpr double kUpAgain_rad = 0.5 * kFallen_rad;
+// Texts of events and verdicts.
 
 [[nodiscard]] std::string name_of(behaviour::State state);
 [[nodiscard]] std::string name_of(behaviour::Reason reason);

@@ -15,9 +15,6 @@
 
 namespace koboshi::simulation {
 
-// Lean of the trunk beyond which the robot cannot recover its balance and counts as fallen.
-inline constexpr double kFallen_rad = std::numbers::pi / 3.0;
-
 // Ground truth of the robot in the world at one instant, independent of the firmware's estimates.
 struct GroundTruth {
   Eigen::Vector3d p_WB_W = Eigen::Vector3d::Zero();   // origin of the trunk

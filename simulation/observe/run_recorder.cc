@@ -7,6 +7,7 @@
 
 #include "sim_board/world/options.h"
 #include "simulation/assembly/parameters.h"
+#include "simulation/observe/posture.h"
 
 namespace koboshi::simulation {
 namespace {

@@ -10,6 +10,7 @@
 #include "firmware/app/controller_objects.h"
 #include "simulation/observe/event_log.h"
 #include "simulation/observe/event_words.h"
+#include "simulation/observe/posture.h"
 
 namespace koboshi::simulation {
 
@@ -33,9 +34,7 @@ std::vector<RunEvent> EventLog::events(bool controller_is_dead) const {
   return events;
 }
 
-bool EventLog::stands() const {
-  return truth_.tilt_rad < kUpAgain_rad && behaviour::kOnItsFeet.contains(said_.state);
-}
+bool EventLog::stands() const { return is_on_its_feet(said_.state, truth_); }
 
 std::string EventLog::posture(bool controller_is_dead) const {
   const std::uint64_t release_us =

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sim_board/board/sim_board.h"
+#include "simulation/observe/posture.h"
 
 namespace koboshi::simulation {
 namespace {

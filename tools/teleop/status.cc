@@ -10,6 +10,7 @@
 #include "base/text/user_units.h"
 #include "firmware/app/controller_objects.h"
 #include "simulation/observe/event_words.h"
+#include "simulation/observe/posture.h"
 #include "tools/teleop/map.h"
 
 namespace koboshi::tools {

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "simulation/assembly/parameters.h"
+#include "simulation/observe/posture.h"
 #include "simulation/observe/run_recorder.h"
 
 namespace koboshi::tools {
