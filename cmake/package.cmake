@@ -81,7 +81,7 @@ package(libkoboshi-dev SECTION libdevel COMPONENTS firmware simulation
        "This package contains the static libraries and headers of the firmware, for"
        "boards and controllers of one's own, and of the simulation. CMake finds them"
        "by find_package(koboshi COMPONENTS firmware simulation)."
-  DEPENDS libeigen3-dev libfmt-dev libode-dev libtinyxml2-dev libxxhash-dev libyaml-cpp-dev nlohmann-json3-dev pkgconf
+  DEPENDS libeigen3-dev libfmt-dev libfyaml-dev libode-dev libtinyxml2-dev libxxhash-dev nlohmann-json3-dev pkgconf
           ${mujoco}
   RECOMMENDS "koboshi (= ${version})"
   SUGGESTS cmake)

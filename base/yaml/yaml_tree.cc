@@ -1,20 +1,20 @@
 #include "base/yaml/yaml_tree.h"
 
-#include <yaml-cpp/eventhandler.h>
-#include <yaml-cpp/exceptions.h>
-#include <yaml-cpp/parser.h>
-
 #include <algorithm>
 #include <map>
 #include <sstream>
+#include <string_view>
+#include <tuple>
+#include <utility>
 
 #include "base/text/error.h"
 #include "base/text/text.h"
+#include "base/yaml/yaml_events.h"
 
 namespace koboshi {
 namespace {
 
-// Far below the depth at which yaml-cpp gives up with "bad file" (500), and far above that of any file.
+// Far above the depth of any file.
 constexpr std::size_t kMaxDepth = 100;
 
 // Source of the text, for messages.
@@ -23,43 +23,50 @@ struct Source {
   bool has_lines = true;  // false: a value of the command line
 };
 
-int line_of(const YAML::Mark& mark, const Source& source) { return source.has_lines ? mark.line + 1 : 0; }
-int column_of(const YAML::Mark& mark, const Source& source) { return source.has_lines ? mark.column + 1 : 0; }
+// Where a value or key begins: line and column from 1; 0 in a value of the command line.
+struct Mark {
+  int line = 0;
+  int column = 0;
+};
 
-// Builds the tree from the parser's events. yaml-cpp's own tree does not record duplicate keys or whether a
-// scalar was quoted.
-class TreeBuilder final : public YAML::EventHandler {
+// Builds the tree from the parser's events. libfyaml's own tree has no columns of keys.
+class TreeBuilder {
  public:
-  explicit TreeBuilder(const Source& source) : source_(source) {}
+  TreeBuilder(std::string_view text, const Source& source) : text_(text), events_(text), source_(source) {}
 
+  // Reads the next document. Returns false at the end of the text.
+  bool read_document() {
+    for (;;) {
+      const fy_event& event = events_.next();
+      switch (event.type) {
+        case FYET_STREAM_END:
+          return false;
+        case FYET_DOCUMENT_END:
+          return true;
+        case FYET_DOCUMENT_START:
+          mark_of(event.document_start.document_start);
+          break;
+        case FYET_SCALAR:
+          add_scalar(event);
+          break;
+        case FYET_ALIAS:
+          fail(mark_of(event.alias.anchor), "an alias", "the value itself");
+        case FYET_SEQUENCE_START:
+          begin(YamlNode::Kind::kList, event.sequence_start.sequence_start, event.sequence_start.tag);
+          break;
+        case FYET_MAPPING_START:
+          begin(YamlNode::Kind::kMap, event.mapping_start.mapping_start, event.mapping_start.tag);
+          break;
+        case FYET_SEQUENCE_END:
+        case FYET_MAPPING_END:
+          close();
+          break;
+        default:
+          break;
+      }
+    }
+  }
   YamlNode take_root() { return std::move(root_); }
-
-  void OnDocumentStart(const YAML::Mark&) override {}
-  void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override {
-    add_leaf(YamlNode::Kind::kNull, mark, "", false);
-  }
-  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
-    fail(mark, "an alias", "the value itself");
-  }
-  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
-                const std::string& value) override {
-    const bool quoted = tag == "!";
-    if (!quoted) refuse_tag(mark, tag);
-    add_leaf(YamlNode::Kind::kScalar, mark, value, quoted);
-  }
-  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
-                       YAML::EmitterStyle::value) override {
-    refuse_tag(mark, tag);
-    open(YamlNode::Kind::kList, mark);
-  }
-  void OnSequenceEnd() override { close(); }
-  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
-                  YAML::EmitterStyle::value) override {
-    refuse_tag(mark, tag);
-    open(YamlNode::Kind::kMap, mark);
-  }
-  void OnMapEnd() override { close(); }
 
  private:
   struct Level {
@@ -73,15 +80,49 @@ class TreeBuilder final : public YAML::EventHandler {
     bool awaits_key() const { return node.kind == YamlNode::Kind::kMap && !has_key; }
   };
 
-  [[noreturn]] void fail(const YAML::Mark& mark, const std::string& found,
-                         const std::string& expected) const {
-    throw InputError(source_.name.path(), line_of(mark, source_), found, expected);
+  [[noreturn]] void fail(const Mark& mark, const std::string& found, const std::string& expected) const {
+    throw InputError(source_.name.path(), mark.line, found, expected);
   }
-  void refuse_tag(const YAML::Mark& mark, const std::string& tag) const {
-    if (!tag.empty() && tag != "?") fail(mark, "the tag " + one_line(tag), "a value without a tag");
+  void refuse_tag(const Mark& mark, fy_token* tag) const {
+    if (tag != nullptr) fail(mark, "the tag " + one_line(std::string(text_of(tag))), "a value without a tag");
   }
 
-  void add_leaf(YamlNode::Kind kind, const YAML::Mark& mark, const std::string& value, bool quoted) {
+  // Without a token: where the last value or key was.
+  Mark mark_of(fy_token* token) {
+    const fy_mark* const mark = token == nullptr ? nullptr : fy_token_start_mark(token);
+    if (mark == nullptr || !source_.has_lines) return last_;
+    return last_ = {mark->line + 1, mark->column + 1};
+  }
+  // A quoted text begins with its quote, a text in block style with its indicator, which its token leaves
+  // out.
+  Mark mark_of_scalar(fy_token* token, fy_scalar_style style) {
+    if (style == FYSS_LITERAL || style == FYSS_FOLDED) return last_;
+    Mark mark = mark_of(token);
+    if (mark.column > 1 && (style == FYSS_SINGLE_QUOTED || style == FYSS_DOUBLE_QUOTED)) --mark.column;
+    return mark;
+  }
+
+  void add_scalar(const fy_event& event) {
+    fy_token* const token = event.scalar.value;
+    const fy_scalar_style style = token == nullptr ? FYSS_PLAIN : fy_token_scalar_style(token);
+    const std::string value(text_of(token));
+    const Mark mark = mark_of_scalar(token, style);
+    refuse_tag(mark, event.scalar.tag);
+    const bool quoted = style != FYSS_PLAIN;
+    const bool is_null = !quoted && is_null_text(value);
+    add_leaf(is_null ? YamlNode::Kind::kNull : YamlNode::Kind::kScalar, mark, is_null ? "" : value, quoted);
+  }
+  // The null values of YAML's core schema.
+  static bool is_null_text(std::string_view text) {
+    return text.empty() || text == "~" || text == "null" || text == "Null" || text == "NULL";
+  }
+  void begin(YamlNode::Kind kind, fy_token* token, fy_token* tag) {
+    const Mark mark = mark_of(token);
+    refuse_tag(mark, tag);
+    open(kind, mark);
+  }
+
+  void add_leaf(YamlNode::Kind kind, const Mark& mark, const std::string& value, bool quoted) {
     if (!levels_.empty() && levels_.back().awaits_key()) {
       take_key(kind, mark, value);
       return;
@@ -92,25 +133,33 @@ class TreeBuilder final : public YAML::EventHandler {
     attach(std::move(node));
   }
 
-  void take_key(YamlNode::Kind kind, const YAML::Mark& mark, const std::string& key) {
+  void take_key(YamlNode::Kind kind, const Mark& mark, const std::string& key) {
     if (kind != YamlNode::Kind::kScalar || key.empty()) fail(mark, "an empty key", "a name");
     if (const std::string fault = name_fault(key); !fault.empty())
       fail(mark, "the key \"" + one_line(key) + "\"", "a name without " + fault);
     Level& level = levels_.back();
-    const auto [first, is_new] = level.lines.emplace(key, line_of(mark, source_));
+    const auto [first, is_new] = level.lines.emplace(key, mark.line);
     if (!is_new) {
       const std::string path = level.node.path.empty() ? key : level.node.path + "." + key;
       fail(mark,
            "a second " + one_line(path) + " (the first is in line " + std::to_string(first->second) + ")",
            "each key once");
     }
+    // The token of a pair in a flow list, [a: 1], is its colon.
+    YamlNode& map = level.node;
+    const bool begins_before =
+        mark.line < map.value_line || (mark.line == map.value_line && mark.column < map.value_column);
+    if (begins_before) {
+      if (map.key.empty()) std::tie(map.line, map.column) = std::pair(mark.line, mark.column);
+      std::tie(map.value_line, map.value_column) = std::pair(mark.line, mark.column);
+    }
     level.key = key;
-    level.key_line = line_of(mark, source_);
-    level.key_column = column_of(mark, source_);
+    level.key_line = mark.line;
+    level.key_column = mark.column;
     level.has_key = true;
   }
 
-  void open(YamlNode::Kind kind, const YAML::Mark& mark) {
+  void open(YamlNode::Kind kind, const Mark& mark) {
     if (!levels_.empty() && levels_.back().awaits_key()) fail(mark, "a map or list as a key", "a name");
     if (levels_.size() == kMaxDepth) {
       const std::string limit = std::to_string(kMaxDepth);
@@ -125,12 +174,12 @@ class TreeBuilder final : public YAML::EventHandler {
     attach(std::move(node));
   }
 
-  YamlNode make_node(YamlNode::Kind kind, const YAML::Mark& mark) const {
+  YamlNode make_node(YamlNode::Kind kind, const Mark& mark) const {
     YamlNode node;
     node.kind = kind;
     node.source = source_.name;
-    node.line = line_of(mark, source_);
-    node.column = column_of(mark, source_);
+    node.line = mark.line;
+    node.column = mark.column;
     node.value_line = node.line;
     node.value_column = node.column;
     if (levels_.empty()) return node;
@@ -156,27 +205,42 @@ class TreeBuilder final : public YAML::EventHandler {
     levels_.back().node.items.push_back(std::move(node));
   }
 
+  std::string_view text_;
+  YamlEvents events_;
   Source source_;
+  Mark last_;
   std::vector<Level> levels_;
   YamlNode root_;
 };
 
+// YAML 1.2.2, 5.1: no control characters but tab and ends of lines. libfyaml takes the first NUL for the end.
+void refuse_control_characters(const std::string& text, const Source& source) {
+  const auto is_control = [](char letter) {
+    const auto code = static_cast<unsigned char>(letter);
+    return (code < 0x20 && code != '\t' && code != '\n' && code != '\r') || code == 0x7F;
+  };
+  const auto found = std::ranges::find_if(text, is_control);
+  if (found == text.end()) return;
+  const auto line = source.has_lines ? 1 + std::count(text.begin(), found, '\n') : 0;
+  throw InputError(source.name.path(), static_cast<int>(line),
+                   one_line(std::string("the character ") + *found), "text without control characters");
+}
+
 YamlNode parse_any(const std::string& text, const Source& source) {
   require_utf8(text, source.name.path(), source.has_lines);
-  TreeBuilder builder(source);
-  TreeBuilder rest(source);
+  refuse_control_characters(text, source);
   try {
-    std::istringstream stream(text);
-    YAML::Parser parser(stream);
-    if (!parser.HandleNextDocument(builder)) return builder.take_root();
-    if (parser.HandleNextDocument(rest)) {
-      throw InputError(source.name.path(), rest.take_root().line, "a second document", "one document");
+    TreeBuilder builder(text, source);
+    if (!builder.read_document()) return {};
+    YamlNode root = builder.take_root();
+    if (builder.read_document()) {
+      throw InputError(source.name.path(), builder.take_root().line, "a second document", "one document");
     }
-  } catch (const YAML::Exception& error) {
-    throw InputError(source.name.path(), line_of(error.mark, source), one_line(error.msg),
-                     "well-formed YAML");
+    return root;
+  } catch (const YamlRefused& refused) {
+    throw InputError(source.name.path(), source.has_lines ? refused.line : 0,
+                     "malformed YAML: " + one_line(refused.what()), "well-formed YAML");
   }
-  return builder.take_root();
 }
 
 // Sets path and source of a command-line value and its contents.
@@ -254,7 +318,7 @@ Override parse_override(const std::string& argument) {
 }
 
 YamlNode parse_yaml(const std::string& text, const std::filesystem::path& source) {
-  // yaml-cpp takes a comment that ends with CR alone to the next LF, and all lines up to there with it.
+  // A line that ends with CR alone is a line for libfyaml and not for an editor: line numbers would differ.
   for (std::size_t at = text.find('\r'); at != std::string::npos; at = text.find('\r', at + 1)) {
     if (text.substr(at + 1, 1) == "\n") continue;
     const auto before = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');

@@ -16,7 +16,7 @@ namespace {
 
 // Converts a Python value to YAML for the scenario readers. JSON is a subset of YAML.
 std::string yaml_of(const py::handle& value) {
-  // yaml-cpp refuses the pairs of surrogates that JSON makes of characters beyond U+FFFF.
+  // JSON makes pairs of surrogates of characters beyond U+FFFF, which YAML does not have.
   const auto text = py::module_::import("json").attr("dumps")(value, py::arg("ensure_ascii") = false);
   return text.cast<std::string>();
 }

@@ -5,7 +5,7 @@ import subprocess
 import sys
 import unittest
 
-FOREIGN = re.compile(r"\b(ode|eigen3|Eigen|yaml-cpp|tinyxml2|fmt|spdlog|nlohmann|CLI11?|xxhash)\b|sim_board/")
+FOREIGN = re.compile(r"\b(ode|eigen3|Eigen|(lib)?fyaml|tinyxml2|fmt|spdlog|nlohmann|CLI11?|xxhash)\b|sim_board/")
 
 build_folder = sys.argv[1]
 
@@ -27,7 +27,7 @@ class FirmwarePreset(unittest.TestCase):
         self.assertEqual(sorted(word for word in words if FOREIGN.search(word.removeprefix("-l").replace("lib", " "))), [])
 
     def test_would_see_them(self):
-        for name in ("/usr/include/ode/ode.h", "/usr/include/eigen3/Eigen/Dense", "sim_board/world/world.h", " yaml-cpp.so"):
+        for name in ("/usr/include/ode/ode.h", "/usr/include/eigen3/Eigen/Dense", "sim_board/world/world.h", "/usr/include/libfyaml.h"):
             self.assertRegex(name, FOREIGN)
 
 

@@ -259,8 +259,6 @@ void YamlDocument::apply(std::vector<Change> changes, YamlNode intended) {
     done = change.end;
   }
   text.append(text_, done);
-  auto parsed = reparse_items(text, changes.front().begin, changes.back().end);
-  if (parsed && same_values(parsed->tree, intended)) return take(std::move(text), std::move(*parsed));
   YamlNode tree = parse_yaml(text, source_);
   if (!same_values(tree, intended)) refuse(changes.front());
   text_ = std::move(text);
@@ -269,21 +267,11 @@ void YamlDocument::apply(std::vector<Change> changes, YamlNode intended) {
 }
 
 void YamlDocument::replace_text(std::string text) {
-  const auto begin = static_cast<std::size_t>(std::ranges::mismatch(text_, text).in1 - text_.begin());
-  std::size_t same = 0;
-  while (begin + same < std::min(text_.size(), text.size()) &&
-         text_[text_.size() - 1 - same] == text[text.size() - 1 - same])
-    ++same;
-  if (auto parsed = reparse_items(text, begin, text_.size() - same))
-    return take(std::move(text), std::move(*parsed));
-  Parsed whole{parse_yaml(text, source_), locate_yaml(text, source_)};
-  take(std::move(text), std::move(whole));
-}
-
-void YamlDocument::take(std::string text, Parsed parsed) {
+  YamlNode tree = parse_yaml(text, source_);
+  YamlPlace places = locate_yaml(text, source_);
   text_ = std::move(text);
-  tree_ = std::move(parsed.tree);
-  places_ = std::move(parsed.places);
+  tree_ = std::move(tree);
+  places_ = std::move(places);
 }
 
 void YamlDocument::save() const { write_whole_file(source_, text_); }

@@ -120,13 +120,6 @@ class YamlDocument {
                    std::vector<Change>& changes) const;
   void apply(std::vector<Change> changes, YamlNode intended);
 
-  struct Parsed {
-    YamlNode tree;
-    YamlPlace places;
-  };
-  std::optional<Parsed> reparse_items(const std::string& text, std::size_t begin, std::size_t end) const;
-  void take(std::string text, Parsed parsed);
-
   std::filesystem::path source_;
   std::string text_;
   YamlNode tree_;

@@ -1,65 +1,18 @@
 #include "tools/edit/yaml_places.h"
 
-#include <libfyaml.h>
-
-#include <memory>
-#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "base/text/error.h"
+#include "base/yaml/yaml_events.h"
 
 namespace koboshi::tools {
 namespace {
 
 using Kind = YamlPlace::Kind;
 
-// libfyaml reads the document in another way than parse_yaml. `what()` says what it found.
-struct Refused : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
 std::size_t start_of(fy_token* token) { return fy_token_start_mark(token)->input_pos; }
 std::size_t end_of(fy_token* token) { return fy_token_end_mark(token)->input_pos; }
-
-struct FreeEvent {
-  fy_parser* parser;
-  void operator()(fy_event* event) const { fy_parser_event_free(parser, event); }
-};
-
-// The parser's events in order, each valid until the next one.
-class Events {
- public:
-  explicit Events(std::string_view text)
-      : silence_(silent_diagnostics(), fy_diag_destroy),
-        parser_(create_parser(silence_.get()), fy_parser_destroy),
-        event_(nullptr, FreeEvent{parser_.get()}) {
-    if (!parser_ || fy_parser_set_string(parser_.get(), text.data(), text.size()) != 0)
-      throw std::runtime_error("libfyaml has no memory for a parser");
-  }
-
-  // Throws Refused at malformed YAML and at the end of the text.
-  const fy_event& next() {
-    event_.reset(fy_parser_parse(parser_.get()));
-    if (!event_) throw Refused("YAML that libfyaml refuses");
-    return *event_;
-  }
-
- private:
-  // Some errors of libfyaml reach standard error in spite of FYPCF_QUIET.
-  static fy_diag* silent_diagnostics() {
-    fy_diag* diagnostics = fy_diag_create(nullptr);
-    if (diagnostics != nullptr) fy_diag_set_collect_errors(diagnostics, true);
-    return diagnostics;
-  }
-  static fy_parser* create_parser(fy_diag* diagnostics) {
-    const fy_parse_cfg config{nullptr, FYPCF_QUIET, nullptr, diagnostics};
-    return fy_parser_create(&config);
-  }
-
-  std::unique_ptr<fy_diag, decltype(&fy_diag_destroy)> silence_;
-  std::unique_ptr<fy_parser, decltype(&fy_parser_destroy)> parser_;
-  std::unique_ptr<fy_event, FreeEvent> event_;
-};
 
 class Locator {
  public:
@@ -82,7 +35,7 @@ class Locator {
       case FYET_SEQUENCE_START:
         return list(event.sequence_start.sequence_start, after);
       default:
-        throw Refused("an alias");
+        throw YamlRefused("an alias", 0);
     }
   }
 
@@ -91,9 +44,7 @@ class Locator {
     place.begin = place.end = after;
     fy_token* token = event.scalar.value;
     const fy_scalar_style style = fy_token_scalar_style(token);
-    std::size_t length = 0;
-    fy_token_get_text(token, &length);
-    if (style == FYSS_PLAIN && length == 0) return place;
+    if (style == FYSS_PLAIN && text_of(token).empty()) return place;
     place.begin = start_of(token);
     place.end = end_of(token);
     if (style == FYSS_SINGLE_QUOTED || style == FYSS_DOUBLE_QUOTED) include_quotes(place);
@@ -117,11 +68,9 @@ class Locator {
     for (;;) {
       const fy_event& event = events_.next();
       if (event.type == FYET_MAPPING_END) return close(std::move(place), event.mapping_end.mapping_end);
-      if (event.type != FYET_SCALAR) throw Refused("a map or list as a key");
+      if (event.type != FYET_SCALAR) throw YamlRefused("a map or list as a key", 0);
       const YamlPlace key = scalar(event, 0);
-      std::size_t length = 0;
-      const char* const name = fy_token_get_text(event.scalar.value, &length);
-      std::string key_text(name, length);
+      std::string key_text(text_of(event.scalar.value));
       YamlPlace item = value(events_.next(), text_.find(':', key.end) + 1);
       item.key = std::move(key_text);
       item.key_begin = key.begin;
@@ -165,7 +114,7 @@ class Locator {
   }
 
   std::string_view text_;
-  Events events_;
+  YamlEvents events_;
 };
 
 }  // namespace
@@ -173,8 +122,8 @@ class Locator {
 YamlPlace locate_yaml(std::string_view text, const std::filesystem::path& source) {
   try {
     return Locator(text).document();
-  } catch (const Refused& refused) {
-    throw InputError(source, 0, refused.what(), "YAML that can be edited in place");
+  } catch (const YamlRefused& refused) {
+    throw InputError(source, refused.line, refused.what(), "YAML that can be edited in place");
   }
 }
 
