@@ -42,6 +42,10 @@ std::vector<Override> overrides_of(std::span<const std::string> sets, const std:
   return all;
 }
 
+void add_robot_option(CLI::App& command, std::string& robot) {
+  command.add_option("--robot", robot, "A robot's folder, file or name instead of the scenario's robot");
+}
+
 void add_can_options(CLI::App& command, CanOptions& options, CLI::Option* log) {
   CLI::Option* can = command.add_option(
       "--can", options.can,

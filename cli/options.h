@@ -27,6 +27,9 @@ namespace koboshi::tools {
 // InputError.
 std::vector<Override> overrides_of(std::span<const std::string> sets, const std::vector<Override>& options);
 
+// Adds --robot, which plays scenarios with another robot than theirs (simulation::robot_override).
+void add_robot_option(CLI::App& command, std::string& robot);
+
 // The bus that a command listens to or sends on.
 struct CanOptions {
   std::string can = "socketcan:vcan0";

@@ -20,6 +20,7 @@
 #include "sim_board/world/options.h"
 #include "simulation/host/qemu_host.h"
 #include "simulation/observe/event_log.h"
+#include "simulation/scenario/paths.h"
 #include "tools/run/run.h"
 #include "tools/teleop/page_keys.h"
 #include "tools/teleop/teleop.h"
@@ -116,7 +117,8 @@ void add_run_options(CLI::App& command, RunArguments& arguments) {
 std::vector<Override> scenario_overrides(const RunArguments& arguments) {
   return overrides_of(arguments.sets, {{"seed", arguments.seed, "--seed"},
                                        {"duration_s", arguments.duration, "--duration"},
-                                       {"physics.stepper", arguments.stepper, "--stepper"}});
+                                       {"physics.stepper", arguments.stepper, "--stepper"},
+                                       simulation::robot_override(arguments.robot)});
 }
 
 int run_and_report(const RunArguments& arguments, simulation::Scenario scenario) {

@@ -18,6 +18,7 @@ struct RunArguments {
   std::string seed;
   std::string duration;
   std::string stepper;
+  std::string robot;
   std::string controller = "in-process";
   std::filesystem::path image;
   std::filesystem::path storage;

@@ -42,6 +42,7 @@ Examples:
                    "A scenario's file or name, docs/reference/scenario-format.md")
       ->required();
   add_run_options(*command, arguments->run);
+  add_robot_option(*command, arguments->run.robot);
   command->add_option("--duration", arguments->run.duration, "Simulated seconds");
   command
       ->add_option("--controller", arguments->run.controller,

@@ -14,6 +14,7 @@
 #include "sim_board/world/options.h"
 #include "simulation/batch/parallel.h"
 #include "simulation/record/summary.h"
+#include "simulation/scenario/paths.h"
 
 namespace koboshi::tools {
 namespace {
@@ -116,6 +117,7 @@ void add_session_options(CLI::App& command, ExperimentSetup& setup, SessionOptio
   add_stepper_option(command, session.stepper, "Stepper of the physics in all cells, as in koboshi run");
   command.add_option("--set", session.sets, "Override a key of the scenario in all cells; may be repeated")
       ->allow_extra_args(false);
+  add_robot_option(command, session.robot);
   add_jobs_option(command, session.jobs);
   command.add_option("--budget-s", session.budget_s, "Seconds after which no more trials begin")
       ->check(CLI::PositiveNumber);
@@ -138,7 +140,8 @@ void add_disturbance_options(CLI::App& command, GyroFeedbackOptions& options) {
 
 std::vector<Override> overrides_of(const SessionOptions& session) {
   return overrides_of(session.sets, {{"duration_s", session.duration, "--duration"},
-                                     {"physics.stepper", session.stepper, "--stepper"}});
+                                     {"physics.stepper", session.stepper, "--stepper"},
+                                     simulation::robot_override(session.robot)});
 }
 
 ProgressLine::ProgressLine() : terminal_(isatty(STDERR_FILENO) != 0) {}

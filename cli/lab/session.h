@@ -18,6 +18,7 @@ namespace koboshi::tools {
 struct SessionOptions {
   std::string duration{};
   std::string stepper{};
+  std::string robot{};
   std::vector<std::string> sets{};
   std::size_t jobs = 1;
   double budget_s = 0.0;        // 0: none

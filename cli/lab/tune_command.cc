@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "cli/lab/session.h"
 #include "cli/lab/tune_gait_command.h"
+#include "cli/options.h"
 #include "lab/tune/gait_search.h"
 #include "lab/tune/infeasible.h"
 #include "lab/tune/study_search.h"
@@ -21,6 +22,7 @@ struct TuneArguments {
   StudyOptions options;
   std::string search = "cma-es";
   std::string stepper;
+  std::string robot;
 };
 
 struct TuneGaitArguments {
@@ -29,11 +31,12 @@ struct TuneGaitArguments {
   std::string feedback = "on";
   std::string duration = "10";
   std::string stepper;
+  std::string robot;
   std::filesystem::path result;
 };
 
 void add_search_options(CLI::App& command, SearchOptions& options, std::size_t min_evaluations,
-                        std::string& stepper) {
+                        std::string& stepper, std::string& robot) {
   add_number(command, "--evaluations", options.evaluations, min_evaluations, 1'000'000,
              "Candidates that are tried");
   add_number(command, "--spread", options.spread, 0.001, 0.5,
@@ -43,6 +46,7 @@ void add_search_options(CLI::App& command, SearchOptions& options, std::size_t m
       ->capture_default_str();
   add_stepper_option(command, stepper,
                      "Stepper of the physics: mujoco is fast; confirm what it finds with world");
+  add_robot_option(command, robot);
   add_jobs_option(command, options.jobs);
 }
 
@@ -70,6 +74,7 @@ void tune(const TuneArguments& arguments) {
   options.method = arguments.search == "cma-es" ? Method::kCmaEs : Method::kNsga2;
   if (!arguments.stepper.empty())
     options.overrides.push_back({"physics.stepper", arguments.stepper, "--stepper"});
+  if (!arguments.robot.empty()) options.overrides.push_back(simulation::robot_override(arguments.robot));
   if (options.out.empty()) options.out = "runs/tune" / arguments.study.stem();
   show_search("score ", "", options.out,
               [&](const ShowProgress& show) { return search_study(study, options, show); });
@@ -82,7 +87,8 @@ void tune_gait(const TuneGaitArguments& arguments) {
   options.start = simulation::find_input(simulation::InputKind::kGait, options.start);
   options.experiment.points = {arguments.points};
   options.experiment.feedback = {arguments.feedback == "on"};
-  options.experiment.overrides = overrides_of({.duration = arguments.duration, .stepper = arguments.stepper});
+  options.experiment.overrides =
+      overrides_of({.duration = arguments.duration, .stepper = arguments.stepper, .robot = arguments.robot});
   if (options.out.empty())
     options.out = "runs/tune-gait/" + gyro_feedback_cell(arguments.points, arguments.feedback == "on");
   const GaitSearchResult result = show_search(
@@ -108,7 +114,7 @@ void add_tune_command(CLI::App& program, Invocation&) {
           "Maximises the mean score (cma-es) or finds the Pareto front of the trials' scores (nsga-2)")
       ->check(CLI::IsMember({"cma-es", "nsga-2"}))
       ->capture_default_str();
-  add_search_options(*command, arguments->options, 16, arguments->stepper);
+  add_search_options(*command, arguments->options, 16, arguments->stepper, arguments->robot);
   add_number(*command, "--population", arguments->options.population, 5, 1000, "Candidates of a generation");
   command->add_option("--out", arguments->options.out,
                       "Folder of the results (default: runs/tune/ and the study's name)");
@@ -141,7 +147,7 @@ void add_tune_gait_command(CLI::App& experiment) {
                    "The gait file to begin with, or the name of a robot for its gait")
       ->capture_default_str();
   command->add_option("--gait", arguments->result, "Also write the gait that was found to this file");
-  add_search_options(*command, options, 24, arguments->stepper);
+  add_search_options(*command, options, 24, arguments->stepper, arguments->robot);
   command->add_option("--duration", arguments->duration, "Simulated seconds of a trial")
       ->capture_default_str();
   command->add_option("--out", options.out,

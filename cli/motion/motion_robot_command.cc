@@ -88,8 +88,9 @@ int play_in_simulation(RobotMotionArguments& arguments) {
   find_inputs(arguments);
   const MotionReport checked = MotionChecker(arguments.robot).check(arguments.motion);
   RunArguments run = arguments.run;
+  run.robot = arguments.robot.string();
   if (run.out.empty()) run.out = std::filesystem::path("runs") / arguments.motion.stem();
-  return run_and_report(run, stage_scenario(arguments.motion, checked, scenario_overrides(arguments.run)));
+  return run_and_report(run, stage_scenario(arguments.motion, checked, scenario_overrides(run)));
 }
 
 // A file is played in the simulation; what is no file is a number or a name on the robot. A misspelt file is

@@ -11,6 +11,7 @@
 #include "base/text/text.h"
 #include "firmware/fixed/host/convert.h"
 #include "simulation/model/foot.h"
+#include "simulation/model/leg_faults.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -233,6 +234,7 @@ robot::RobotModel model_fields(const RobotDescription& robot, std::vector<InputE
   }
   const BaseFrame frame(robot);
   collect_error(errors, [&] { set_name(robot, model); });
+  const std::size_t errors_before = errors.size();
   model.joint_count = robot.joints.size();
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     collect_error(errors, [&] {
@@ -241,6 +243,7 @@ robot::RobotModel model_fields(const RobotDescription& robot, std::vector<InputE
       check_fields(robot, robot.joints[i], model.joints[i]);
     });
   }
+  if (errors.size() == errors_before) find_leg_faults(robot, model, errors);
   collect_error(errors, [&] {
     model.base_mass = mass_of(robot, 0);
     model.base_centre_of_mass = frame.offset(robot.links[0].X_ML.translation(), frame.centre_of_mass_M(0));

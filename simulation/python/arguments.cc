@@ -26,10 +26,15 @@ std::vector<double> numbers_of(const py::handle& vector) { return vector.cast<st
 }  // namespace
 
 Scenario read(const std::filesystem::path& file, const std::optional<std::uint64_t>& seed,
-              const std::optional<std::string>& stepper, const py::dict& set) {
+              const std::optional<std::string>& stepper, const std::optional<std::filesystem::path>& robot,
+              const py::dict& set) {
   std::vector<Override> overrides;
   for (const auto& [path, value] : set) overrides.push_back({py::str(path), yaml_of(value), "set"});
   if (seed) overrides.push_back({"seed", std::to_string(*seed), "seed"});
+  if (robot) {
+    overrides.push_back(robot_override(robot->string()));
+    overrides.back().option = "robot";
+  }
   if (stepper) overrides.push_back({"physics.stepper", *stepper, "stepper"});
   return read_scenario(find_input(InputKind::kScenario, file), overrides);
 }

@@ -15,7 +15,8 @@ namespace koboshi::simulation {
 
 // Reads a scenario; `set` has the paths and values of the keys to override.
 Scenario read(const std::filesystem::path& file, const std::optional<std::uint64_t>& seed,
-              const std::optional<std::string>& stepper, const pybind11::dict& set);
+              const std::optional<std::string>& stepper, const std::optional<std::filesystem::path>& robot,
+              const pybind11::dict& set);
 
 // Gives a command with one value or with fields, not both.
 void give_command(Simulation& simulation, const std::string& verb, const pybind11::object& value,

@@ -69,6 +69,7 @@ class Simulation:
         *,
         seed: int | None = None,
         stepper: str | None = None,
+        robot: str | os.PathLike[str] | None = None,
         set: Mapping[str, Any] = {},
         frames: bool = False,
     ) -> None: ...
@@ -113,6 +114,7 @@ class Simulations:
         *,
         threads: int | None = None,
         stepper: str | None = None,
+        robot: str | os.PathLike[str] | None = None,
         set: Mapping[str, Any] = {},
     ) -> None: ...
     def __len__(self) -> int: ...

@@ -81,8 +81,9 @@ py::array frames_array(const std::vector<BusFrame>& frames) {
 class PySimulation {
  public:
   PySimulation(const std::filesystem::path& scenario, const std::optional<std::uint64_t>& seed,
-               const std::optional<std::string>& stepper, const py::dict& set, bool frames)
-      : keeps_frames_(frames), world_(read(scenario, seed, stepper, set)) {
+               const std::optional<std::string>& stepper, const std::optional<std::filesystem::path>& robot,
+               const py::dict& set, bool frames)
+      : keeps_frames_(frames), world_(read(scenario, seed, stepper, robot, set)) {
     world_.keep_frames(frames);
   }
 
@@ -123,8 +124,8 @@ class PyBatch {
  public:
   PyBatch(const std::filesystem::path& scenario, const std::vector<std::uint64_t>& seeds,
           const std::optional<std::size_t>& threads, const std::optional<std::string>& stepper,
-          const py::dict& set)
-      : batch_(read(scenario, std::nullopt, stepper, set), seeds, threads.value_or(core_count())) {}
+          const std::optional<std::filesystem::path>& robot, const py::dict& set)
+      : batch_(read(scenario, std::nullopt, stepper, robot, set), seeds, threads.value_or(core_count())) {}
 
   std::size_t size() const { return batch_.size(); }
   void step(std::size_t milliseconds) {
@@ -178,14 +179,16 @@ links are those of the robot's file. Names of values end with their unit.
 scenario: scenario file (docs/reference/scenario-format.md).
 seed:     seed of all random errors; default: the scenario's.
 stepper:  "world", "lumped" or "mujoco"; default: the scenario's.
+robot:    folder, file or name of a robot; default: the scenario's.
 set:      values that replace those of the file, by dotted path: {"ground.friction": 0.5}.
 frames:   True to record the frames on the bus for frames().
 
 Raises InputError with file and line for an error in a file.)")
       .def(py::init<const std::filesystem::path&, const std::optional<std::uint64_t>&,
-                    const std::optional<std::string>&, const py::dict&, bool>(),
-           "scenario"_a, py::kw_only(), "seed"_a = py::none(), "stepper"_a = py::none(), "set"_a = py::dict(),
-           "frames"_a = false)
+                    const std::optional<std::string>&, const std::optional<std::filesystem::path>&,
+                    const py::dict&, bool>(),
+           "scenario"_a, py::kw_only(), "seed"_a = py::none(), "stepper"_a = py::none(),
+           "robot"_a = py::none(), "set"_a = py::dict(), "frames"_a = false)
       .def("step", &PySimulation::step, "milliseconds"_a = 10,
            R"(Advances the simulation by this time, also beyond the scenario's duration.
 
@@ -307,9 +310,10 @@ Each one produces the same bits as a single Simulation. Arguments are those of S
 seeds:   one simulation per seed.
 threads: number of threads; default: one per core.)")
       .def(py::init<const std::filesystem::path&, const std::vector<std::uint64_t>&,
-                    const std::optional<std::size_t>&, const std::optional<std::string>&, const py::dict&>(),
+                    const std::optional<std::size_t>&, const std::optional<std::string>&,
+                    const std::optional<std::filesystem::path>&, const py::dict&>(),
            "scenario"_a, "seeds"_a, py::kw_only(), "threads"_a = py::none(), "stepper"_a = py::none(),
-           "set"_a = py::dict())
+           "robot"_a = py::none(), "set"_a = py::dict())
       .def("__len__", &PyBatch::size)
       .def("step", &PyBatch::step, "milliseconds"_a = 10,
            "Advances each simulation by this time. If some of them raise, the others complete the step, and "

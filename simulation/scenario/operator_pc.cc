@@ -1,7 +1,8 @@
 #include "simulation/scenario/operator_pc.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace koboshi::simulation {
@@ -34,26 +35,34 @@ std::uint8_t code_of(Command::Kind kind) {
 }  // namespace
 
 OperatorPc::OperatorPc(sim_board::SimBoard& board, std::vector<SdoWrite> writes)
-    : board_(board), writes_(std::move(writes)), client_(*this), access_(*this) {
+    : board_(board), parameters_(*this), access_(*this) {
+  for (SdoWrite& parameter : writes) write(std::move(parameter));
   board_.set_operator_listener(this);
+}
+
+void OperatorPc::write(SdoWrite write) {
+  std::vector<std::uint8_t> data(write.size_bytes);
+  for (std::size_t byte = 0; byte < data.size(); ++byte)
+    data[byte] = static_cast<std::uint8_t>(write.value >> (8 * byte));
+  parameters_.request({.number = writes_.size(),
+                       .node_id = sim_board::kControllerNode,
+                       .address = write.address,
+                       .data = std::move(data)});
+  writes_.push_back(std::move(write));
 }
 
 void OperatorPc::advance() {
   repeat_velocity();
-  client_.process(board_.now_us());
-  if (client_.state() == canopen::SdoState::kAborted || client_.state() == canopen::SdoState::kTimedOut) {
-    give_up();
+  if (!access_.busy()) write_parameters();
+  if (ready() || access_.busy()) access_.process(board_.now_us());
+}
+
+void OperatorPc::write_parameters() {
+  parameters_.process(board_.now_us());
+  for (const ObjectAnswer& answer : parameters_.take_answers()) {
+    if (answer.abort != canopen::AbortCode::kNone) give_up(answer);
+    ++written_;
   }
-  if (client_.state() == canopen::SdoState::kDone) {
-    client_.reset();
-    ++next_;
-  }
-  if (client_.state() == canopen::SdoState::kBusy) return;
-  if (ready() || access_.busy()) return access_.process(board_.now_us());
-  const SdoWrite& write = writes_[next_];
-  // The FIFO holds far more frames than the PC sends in a millisecond.
-  static_cast<void>(client_.begin_write(sim_board::kControllerNode, write.address, write.value,
-                                        write.size_bytes, board_.now_us()));
 }
 
 // A walk command is preceded by its velocity.
@@ -97,15 +106,14 @@ void OperatorPc::on_frame(const hal::CanFrame& frame, std::uint64_t time_us) {
   const bool takes_over =
       frame.identifier == sim_board::kCommandIdentifier && frame.data[0] != code_of(Command::Kind::kPlay);
   if (takes_over || frame.identifier == sim_board::kVelocityIdentifier) velocity_.reset();
-  if (!client_.on_frame(frame)) static_cast<void>(access_.on_frame(frame, time_us));
+  if (!parameters_.on_frame(frame, time_us)) static_cast<void>(access_.on_frame(frame, time_us));
 }
 
-void OperatorPc::give_up() const {
-  const SourcedName& parameter = writes_[next_].parameter;
-  char code[16];
-  std::snprintf(code, sizeof(code), "0x%08X", static_cast<unsigned>(client_.abort_code()));
-  throw SdoFailed(parameter.source.string() + ":" + std::to_string(parameter.line) +
-                  ": the controller does not take " + parameter.text + " (SDO abort " + code + ")");
+void OperatorPc::give_up(const ObjectAnswer& answer) const {
+  const SourcedName& parameter = writes_[answer.number].parameter;
+  throw SdoFailed(fmt::format("{}:{}: the controller does not take {} (SDO abort 0x{:08X})",
+                              parameter.source.string(), parameter.line, parameter.text,
+                              static_cast<std::uint32_t>(answer.abort)));
 }
 
 }  // namespace koboshi::simulation

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/canopen/sdo/client.h"
 #include "sim_board/board/sim_board.h"
 #include "simulation/scenario/object_access.h"
 #include "simulation/scenario/scenario.h"
@@ -50,30 +49,30 @@ class OperatorPc final : private sim_board::BusNode, private canopen::FrameSink 
   // not answer within 100 ms.
   void advance();
   // Returns whether all parameters are written, so that the PC may send commands.
-  bool ready() const { return next_ == writes_.size(); }
+  bool ready() const { return written_ == writes_.size(); }
   void command(const Command& command);
   // Appends a parameter write. Commands wait for it.
-  void write(SdoWrite write) { writes_.push_back(std::move(write)); }
+  void write(SdoWrite write);
 
   // Accesses an object once all parameters are written. Writes and accesses wait for each other.
   void request(ObjectRequest request) { access_.request(std::move(request)); }
   [[nodiscard]] std::vector<ObjectAnswer> take_answers() { return access_.take_answers(); }
 
   void archive(sim_board::StateArchive& archive) {
-    archive(writes_, next_, access_, velocity_, velocity_due_us_);
-    archive.in_place(client_);
+    archive(writes_, written_, parameters_, access_, velocity_, velocity_due_us_);
   }
 
  private:
   void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
   bool send(const hal::CanFrame& frame) override { return board_.send_as_operator(frame); }
   void repeat_velocity();
-  [[noreturn]] void give_up() const;
+  void write_parameters();
+  [[noreturn]] void give_up(const ObjectAnswer& answer) const;
 
   sim_board::SimBoard& board_;
   std::vector<SdoWrite> writes_;
-  std::size_t next_ = 0;  // index of the write in progress
-  canopen::SdoClient client_;
+  std::size_t written_ = 0;
+  ObjectAccess parameters_;  // executes writes_, in whose order its requests are numbered
   ObjectAccess access_;
   std::optional<hal::CanFrame> velocity_;  // of the walk that this operator holds
   std::uint64_t velocity_due_us_ = 0;

@@ -132,6 +132,15 @@ fs::path find_named(const Place& place, const fs::path& folder, const fs::path& 
   return {};
 }
 
+// The robot's file in its folder; empty without one.
+fs::path robot_in(const fs::path& folder) {
+  for (const char* suffix : place_of(InputKind::kRobot).suffixes) {
+    const fs::path file = (folder.string() + suffix);
+    if (is_file(file)) return file.lexically_normal();
+  }
+  return {};
+}
+
 // The first of the folders that has it; empty if none has.
 fs::path find_named(const Place& place, std::span<const fs::path> folders, const fs::path& name) {
   for (const fs::path& folder : folders)
@@ -210,11 +219,24 @@ fs::path find_path(const fs::path& given) {
 
 fs::path find_input(InputKind kind, const fs::path& given) {
   const fs::path path = find_path(given);
+  if (kind == InputKind::kRobot && is_folder(path)) {
+    if (fs::path file = robot_in(path); !file.empty()) return file;
+  }
   if (!is_name(given) || (is_there(path) && !is_folder(path))) return path;
   const std::vector<fs::path> folders = searched_folders({});
   if (const fs::path file = find_named(place_of(kind), folders, given); !file.empty()) return file;
   if (is_there(path)) return path;  // a folder, which the reader refuses
   refuse_name(given, place_of(kind).noun, folders, place_of(kind).folder, input_names(kind));
+}
+
+Override robot_override(const std::string& given) {
+  if (given.empty()) return {"robot", "", "--robot"};
+  std::string quoted = "\"";
+  for (const char letter : fs::absolute(find_input(InputKind::kRobot, given)).string()) {
+    if (letter == '"' || letter == '\\') quoted += '\\';
+    quoted += letter;
+  }
+  return {"robot", quoted + '"', "--robot"};
 }
 
 fs::path find_motion(const fs::path& given, const fs::path& robot) {
@@ -240,6 +262,10 @@ std::vector<std::string> robot_motion_names(const fs::path& robot) {
 }
 
 fs::path read_input(const YamlValue& value, const fs::path& folder, InputKind kind) {
+  if (kind == InputKind::kRobot) {
+    for (const fs::path& base : searched_folders(folder))
+      if (fs::path file = robot_in(base / value.text()); !file.empty()) return file;
+  }
   if (is_name(value.text()) && find_referenced(folder, value.text()).empty()) {
     const std::vector<fs::path> folders = searched_folders(folder);
     if (const fs::path file = find_named(place_of(kind), folders, value.text()); !file.empty()) return file;
@@ -247,11 +273,19 @@ fs::path read_input(const YamlValue& value, const fs::path& folder, InputKind ki
   return read_path(value, folder);
 }
 
-fs::path read_motion_path(const YamlValue& value, const fs::path& folder, const fs::path& robot) {
-  if (is_name(value.text()) && find_referenced(folder, value.text()).empty()) {
-    if (const fs::path file = find_named_motion(robot, value.text()); !file.empty()) return file;
+fs::path read_robot_file(const YamlValue& value, const fs::path& folder, const fs::path& robot,
+                         const fs::path& subfolder) {
+  const fs::path given = value.text();
+  if (!find_referenced(folder, given).empty()) return read_path(value, folder);
+  for (const fs::path& inner : {fs::path(), subfolder}) {
+    for (const char* suffix : {"", ".yaml"}) {
+      const fs::path file = (robot.parent_path() / inner / (given.string() + suffix)).lexically_normal();
+      if (is_file(file)) return file;
+    }
   }
-  return read_path(value, folder);
+  throw value.error(
+      "no file " + one_line(value.text()),
+      "a path relative to the scenario's folder, to the repository's root or to the robot's folder");
 }
 
 }  // namespace koboshi::simulation

@@ -38,7 +38,7 @@ enum class InputKind { kScenario, kRobot, kGait, kStudy };
 // Resolves the path, or the name, of an input file as find_path() does. A name, which is a path without a
 // slash, is then searched in the same folders as InputKind says. Throws InputError for a name that is not
 // found, with the folders searched and the nearest names; returns a path that is not found as it is, for its
-// reader to refuse.
+// reader to refuse. A folder with a robot's file stands for that file.
 [[nodiscard]] std::filesystem::path find_input(InputKind kind, const std::filesystem::path& given);
 
 // Resolves a motion file of a robot as find_input() does; a name is motions/NAME.yaml in the folder of the
@@ -52,10 +52,16 @@ enum class InputKind { kScenario, kRobot, kGait, kStudy };
 // Returns the names of the motions in the folder of a robot's file, in alphabetical order.
 [[nodiscard]] std::vector<std::string> robot_motion_names(const std::filesystem::path& robot);
 
+// Returns the override that replaces the robot of a scenario by the one that a user names: its file, its
+// folder or its name. Throws InputError as find_input() does. Empty: an override without a value.
+[[nodiscard]] Override robot_override(const std::string& given);
+
 // Resolves a value of a file in `folder` that is a path or a name. Throws InputError if neither exists.
 std::filesystem::path read_input(const YamlValue& value, const std::filesystem::path& folder, InputKind kind);
-// The same for a motion of the robot.
-std::filesystem::path read_motion_path(const YamlValue& value, const std::filesystem::path& folder,
-                                       const std::filesystem::path& robot);
+// The same for a file that belongs to a robot: a path as read_path() resolves it, or relative to the folder
+// of the robot's file or a subfolder of it. The extension .yaml may be left out there.
+std::filesystem::path read_robot_file(const YamlValue& value, const std::filesystem::path& folder,
+                                      const std::filesystem::path& robot,
+                                      const std::filesystem::path& subfolder = {});
 
 }  // namespace koboshi::simulation

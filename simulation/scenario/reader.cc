@@ -23,7 +23,7 @@ std::vector<MotionChoice> read_motions(const YamlMap& root, const fs::path& fold
   std::vector<MotionChoice> motions;
   if (!root.has("motions")) return motions;
   for (const YamlValue& value : root.list("motions")) {
-    const MotionChoice motion{.file = read_motion_path(value, folder, robot)};
+    const MotionChoice motion{.file = read_robot_file(value, folder, robot, "motions")};
     if (std::ranges::find(motions, motion.name(), &MotionChoice::name) != motions.end()) {
       throw value.error("a second motion named " + motion.name(), "motions of different names");
     }
@@ -33,10 +33,10 @@ std::vector<MotionChoice> read_motions(const YamlMap& root, const fs::path& fold
   return motions;
 }
 
-std::optional<GaitChoice> read_gait(const YamlMap& root, const fs::path& folder) {
+std::optional<GaitChoice> read_gait(const YamlMap& root, const fs::path& folder, const fs::path& robot) {
   const auto map = root.optional_child("gait");
   if (!map) return std::nullopt;
-  GaitChoice gait{.file = read_path(map->value("file"), folder), .overrides = {}};
+  GaitChoice gait{.file = read_robot_file(map->value("file"), folder, robot, "gaits"), .overrides = {}};
   gait.feedback = map->boolean("feedback", true);
   if (map->has("points")) {
     const YamlValue points = map->value("points");
@@ -187,7 +187,7 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   scenario.robot = read_input(root.value("robot"), folder, InputKind::kRobot);
   scenario.robot_parameters = read_robot_parameters(scenario.robot);
   scenario.motions = read_motions(root, folder, scenario.robot);
-  scenario.gait = read_gait(root, folder);
+  scenario.gait = read_gait(root, folder, scenario.robot);
   scenario.duration_us = to_us(root.number("duration_s", {.min = 0.01, .max = kMaxRun_s}));
   scenario.seed = static_cast<std::uint64_t>(root.integer("seed", {.min = 0}, 1));
   scenario.noise_scale = read_noise_scale(root);
@@ -198,7 +198,7 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   scenario.materials = read_materials(root);
   scenario.initial = read_initial(root);
   if (root.has("parameter_file")) {
-    scenario.parameter_file = read_path(root.value("parameter_file"), folder);
+    scenario.parameter_file = read_robot_file(root.value("parameter_file"), folder, scenario.robot);
     add_parameters_of_file(*scenario.parameter_file, scenario.parameters);
   }
   add_parameters(root, scenario.parameters);

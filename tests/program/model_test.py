@@ -102,6 +102,40 @@ class ModelEdit(unittest.TestCase):
         self.assertEqual((self.folder / "link.sdf").read_text(), self.file.read_text())
         self.assertNotEqual(self.file.read_text(), self.first)
 
+    def in_element(self, tag, name, pattern, value):
+        """The file with one change in the element of this name."""
+        head, rest = self.first.split(f'<{tag} name="{name}"', 1)
+        changed = re.sub(pattern, value, rest, count=1, flags=re.DOTALL)
+        self.assertNotEqual(changed, rest, name)
+        return f'{head}<{tag} name="{name}"{changed}'
+
+    def test_check_tells_what_the_firmware_cannot_run(self):
+        cases = {
+            "a renamed joint": (self.first.replace('"left_knee"', '"left_genou"'), "no joint left_knee, expected a leg of six joints"),
+            "an anchor off by 20 um": (self.in_element("link", "left_thigh", r">0 0 0 0 0 0<", ">0 0.00002 0 0 0 0<"),
+                                       r"left_hip_pitch at (0.000, 0.020, 0.000) mm from left_hip_roll"),
+            "an axis off by 2.7e-6": (self.in_element("joint", "left_hip_pitch", "0 1 0", "0 1 0.0000027"),
+                                      "the axis of left_hip_pitch, 0.00015 degrees from the base's y"),
+            "a knee aside": (self.in_element("link", "left_shank", ">0 0 -0.065 ", ">0 0.0005 -0.065 "),
+                             "left_knee 0.500 mm beside the hip"),
+            "no inertial unit": (re.sub(r'<sensor name="imu".*?</sensor>', "", self.first, flags=re.DOTALL), "no inertial unit"),
+            "no ankle sensor": (re.sub(r'<sensor name="left_ankle".*?</sensor>', "", self.first, flags=re.DOTALL),
+                                "an ankle without a force/torque sensor"),
+            "a heavy link": (self.in_element("link", "trunk", r"<mass>[^<]*<", "<mass>5.2<"), "a mass of 5.2 kg in link trunk"),
+        }
+        (self.folder / "motions").symlink_to(ROBOT.parent / "motions")
+        for name, (text, found) in cases.items():
+            with self.subTest(name):
+                self.file.write_text(text)
+                result = PROGRAM.run("model", "check", self.file)
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertIn(f"error[R028]: found {found}", result.stdout)
+                # The run refuses it with the same words.
+                refused = PROGRAM.run("run", "squat", "--robot", self.folder, "--out", self.folder / "run")
+                self.assertEqual(refused.returncode, 2)
+                # The scenario names the joint, too.
+                self.assertIn("left_knee" if name == "a renamed joint" else f": found {found}", refused.stderr)
+
     def test_refuses_files_that_are_no_robot(self):
         for text in ("", "<sdf>", "<a/>", "steps: []"):
             self.file.write_text(text)

@@ -1,5 +1,6 @@
 """Scenarios, robots, motions and studies are found by name from any folder."""
 
+import json
 import os
 import pathlib
 import shutil
@@ -48,6 +49,28 @@ class Names(unittest.TestCase):
         self.accept("board", "board", "--duration", "0.02")
         self.accept("run", "scenarios/walk.yaml", "--duration", "0.02", "--record", "no")
 
+    def test_of_another_robot(self):
+        # A robot in a folder of its own: scenarios name motions, gait and parameters of whatever robot plays them.
+        robots = self.here / "mine"
+        shutil.copytree(support.ROOT / "robots" / "koboshi", robots / "koboshi")
+        (robots / "servos").symlink_to(support.ROOT / "robots" / "servos")
+        motion = robots / "koboshi" / "motions" / "stand.yaml"
+        motion.write_text(motion.read_text().replace("knee: 43.72", "knee: 42"))
+        file = robots / "koboshi" / "robot.sdf"
+        short = ("--duration", "3", "--record", "no")
+        results = {}
+        for name, robot in {"own": "koboshi", "folder": robots / "koboshi", "file": file}.items():
+            self.accept("run", "go", "--robot", robot, "--out", name, *short)
+            results[name] = json.loads((self.here / name / "summary.json").read_text())["state_hash"]
+        self.assertEqual(results["folder"], results["file"])
+        self.assertNotEqual(results["folder"], results["own"])
+        self.accept("motion", "play", "robots/koboshi/motions/bow.yaml", "--robot", robots / "koboshi", "--record", "no", "--set",
+                    "noise=false")
+        result = self.run_program("run", "squat", "--robot", "kobushi")
+        self.assertEqual(2, result.returncode)
+        self.assertRegex(result.stderr, "^kobushi: found no such file, and no robot of this name in .*, "
+                                        "expected the path of a robot or its name: koboshi\n$")
+
     def test_of_a_study(self):
         result = self.run_program("tune", "wlak")
         self.assertEqual(2, result.returncode)
@@ -56,7 +79,7 @@ class Names(unittest.TestCase):
     def test_of_the_users_own(self):
         (self.user / "scenarios").mkdir(parents=True)
         self.addCleanup(shutil.rmtree, self.user)
-        scenario = support.WALK.read_text().replace("robot: robots/koboshi/robot.sdf", "robot: koboshi")
+        scenario = support.WALK.read_text()
         self.assertIn("robot: koboshi", scenario)
         (self.user / "scenarios" / "own.yaml").write_text(scenario)
         self.accept("run", "own", "--duration", "0.02", "--record", "no")
