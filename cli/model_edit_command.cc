@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "base/edit/unified_diff.h"
 #include "base/file/output_file.h"
 #include "base/file/standard_streams.h"
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "cli/commands.h"
+#include "sim_board/description/edit/field_value.h"
+#include "sim_board/description/edit/robot_text.h"
 #include "simulation/scenario/paths.h"
-#include "tools/edit/unified_diff.h"
-#include "tools/robot_file/edit/field_value.h"
-#include "tools/robot_file/edit/robot_text.h"
 
 namespace koboshi::tools {
 namespace {
@@ -31,7 +31,7 @@ void find_robot(ModelEditArguments& arguments) {
   arguments.robot = simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
 }
 
-ModelSetting setting_of(const std::filesystem::path& file, const std::string& word) {
+sim_board::ModelSetting setting_of(const std::filesystem::path& file, const std::string& word) {
   const std::size_t equals = word.find('=');
   if (equals == std::string::npos || equals == 0)
     throw InputError(file, 0, one_line(word), "PATH=VALUE, such as left_shank.mass=0.06");
@@ -39,10 +39,10 @@ ModelSetting setting_of(const std::filesystem::path& file, const std::string& wo
 }
 
 // A line for each number without a unit. On standard error, as a patch may be on standard output.
-std::string assumed_units(const XmlDocument& document, const std::vector<ModelSetting>& settings) {
+std::string assumed_units(const XmlDocument& document, const std::vector<sim_board::ModelSetting>& settings) {
   std::string text;
-  for (const ModelSetting& setting : settings) {
-    const std::string unit = assumed_unit(find_field(document, setting.path), setting.value);
+  for (const sim_board::ModelSetting& setting : settings) {
+    const std::string unit = assumed_unit(sim_board::find_field(document, setting.path), setting.value);
     if (!unit.empty()) text += fmt::format("{} = {}, taken as {}\n", setting.path, setting.value, unit);
   }
   return text;
@@ -53,10 +53,11 @@ void set_model(const ModelEditArguments& arguments) {
   // The robot must load where the result will be: paths of meshes are relative to it.
   const std::filesystem::path out = arguments.out.empty() ? arguments.robot : arguments.out;
   XmlDocument document(out, text);
-  std::vector<ModelSetting> settings;
+  std::vector<sim_board::ModelSetting> settings;
   for (const std::string& word : arguments.words) settings.push_back(setting_of(arguments.robot, word));
   const std::string notes = assumed_units(document, settings);
-  apply_settings(document, settings, arguments.both_sides ? Sides::kBoth : Sides::kOne);
+  sim_board::apply_settings(document, settings,
+                            arguments.both_sides ? sim_board::Sides::kBoth : sim_board::Sides::kOne);
   write_to_standard_error(notes);
   if (arguments.dry_run) {
     fmt::print("{}", unified_diff(text, document.text(), arguments.robot.string()));
@@ -65,34 +66,34 @@ void set_model(const ModelEditArguments& arguments) {
   if (document.text() != text || !arguments.out.empty()) document.save();
 }
 
-std::string range_text(const ModelField& field) {
+std::string range_text(const sim_board::ModelField& field) {
   std::string text = field.expected();
   if (!field.value && !field.fallback().empty()) text += "; default " + field.fallback();
   return text;
 }
 
-void print_fields(const XmlDocument& document, const ModelElement& element) {
-  for (const ModelField& field : model_fields(document, element)) {
-    if (field.part != PosePart::kWhole || !field.value) continue;
+void print_fields(const XmlDocument& document, const sim_board::ModelElement& element) {
+  for (const sim_board::ModelField& field : sim_board::model_fields(document, element)) {
+    if (field.part != sim_board::PosePart::kWhole || !field.value) continue;
     fmt::print("{:<44} {:<28} {}\n", field.path, *field.value, range_text(field));
   }
 }
 
 void get_model(const ModelEditArguments& arguments) {
   const XmlDocument document(arguments.robot);
-  const std::vector<ModelElement> elements = model_elements(document);
+  const std::vector<sim_board::ModelElement> elements = sim_board::model_elements(document);
   if (arguments.words.empty()) {
-    for (const ModelElement& element : elements)
-      fmt::print("{} {}\n", plain_tag(element.rule->name), element.name);
+    for (const sim_board::ModelElement& element : elements)
+      fmt::print("{} {}\n", sim_board::plain_tag(element.rule->name), element.name);
     return;
   }
   for (const std::string& word : arguments.words) {
-    const auto element = std::ranges::find(elements, word, &ModelElement::name);
+    const auto element = std::ranges::find(elements, word, &sim_board::ModelElement::name);
     if (element != elements.end()) {
       print_fields(document, *element);
       continue;
     }
-    const ModelField field = find_field(document, word);
+    const sim_board::ModelField field = sim_board::find_field(document, word);
     if (!field.value && field.fallback().empty())
       throw InputError(arguments.robot, 0, field.path + " without a value", "a value that is in the file");
     fmt::print("{}\n", field.value.value_or(field.fallback()));

@@ -108,6 +108,12 @@ void add_run_options(CLI::App& command, RunArguments& arguments) {
                   "Override a key of the scenario: physics.step_ms=0.5; may be repeated")
       ->allow_extra_args(false);
   command
+      .add_option(
+          "--plant", arguments.plant,
+          "Give the simulated robot another value than the firmware's model has: left_shank.mass=80g;\n"
+          "may be repeated; keys are those of koboshi model get")
+      ->allow_extra_args(false);
+  command
       .add_option("--record", arguments.record,
                   "Samples per second of the recording run.mcap: 100 (default), 500 or no recording")
       ->check(CLI::IsMember({"no", "100", "500"}));
@@ -115,10 +121,19 @@ void add_run_options(CLI::App& command, RunArguments& arguments) {
 }
 
 std::vector<Override> scenario_overrides(const RunArguments& arguments) {
-  return overrides_of(arguments.sets, {{"seed", arguments.seed, "--seed"},
-                                       {"duration_s", arguments.duration, "--duration"},
-                                       {"physics.stepper", arguments.stepper, "--stepper"},
-                                       simulation::robot_override(arguments.robot)});
+  std::vector<Override> overrides =
+      overrides_of(arguments.sets, {{"seed", arguments.seed, "--seed"},
+                                    {"duration_s", arguments.duration, "--duration"},
+                                    {"physics.stepper", arguments.stepper, "--stepper"},
+                                    simulation::robot_override(arguments.robot)});
+  for (const std::string& setting : arguments.plant) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == setting.size())
+      throw InputError("--plant", 0, one_line(setting), "KEY=VALUE, such as left_shank.mass=80g");
+    overrides.push_back(
+        text_override("plant." + setting.substr(0, equals), setting.substr(equals + 1), "--plant"));
+  }
+  return overrides;
 }
 
 int run_and_report(const RunArguments& arguments, simulation::Scenario scenario) {

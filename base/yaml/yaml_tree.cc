@@ -317,6 +317,14 @@ Override parse_override(const std::string& argument) {
   return {argument.substr(0, equals), argument.substr(equals + 1)};
 }
 
+Override text_override(std::string path, const std::string& text, std::string option) {
+  YamlNode node;
+  node.kind = YamlNode::Kind::kScalar;
+  node.scalar = text;
+  node.quoted = true;
+  return {std::move(path), text.empty() ? "" : scalar_text(node), std::move(option)};
+}
+
 YamlNode parse_yaml(const std::string& text, const std::filesystem::path& source) {
   // A line that ends with CR alone is a line for libfyaml and not for an editor: line numbers would differ.
   for (std::size_t at = text.find('\r'); at != std::string::npos; at = text.find('\r', at + 1)) {

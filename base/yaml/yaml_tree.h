@@ -58,6 +58,9 @@ struct Override {
 // Parses "ground.mu=0.5". Throws InputError with --set instead of a file.
 Override parse_override(const std::string& argument);
 
+// An override by this text, whatever characters it has. An empty text gives an override without a value.
+Override text_override(std::string path, const std::string& text, std::string option);
+
 // Parses one document whose root is a map. Throws InputError for text that is not UTF-8, malformed YAML, a
 // second document, a duplicate key, a key that is not plain text or no name (name_fault()), an alias, a tag,
 // or more than 100 nested maps and lists.

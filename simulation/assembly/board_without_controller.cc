@@ -1,6 +1,7 @@
 #include "simulation/assembly/board_without_controller.h"
 
 #include "base/text/error.h"
+#include "simulation/assembly/plant.h"
 #include "simulation/scenario/reader.h"
 
 namespace koboshi::simulation {
@@ -26,7 +27,7 @@ void BoardWithoutController::NoController::exchange(const hal::BatchInput&, hal:
 }
 
 BoardWithoutController::BoardWithoutController(const Scenario& scenario)
-    : scenario_(without_controller(scenario)), robot_(read_robot(scenario_)) {
+    : scenario_(without_controller(scenario)), robot_(robot_in_world(scenario_)) {
   sim_board::BoardOptions options = board_options(scenario_, robot_);
   options.sensors_on_bus = true;
   board_ = make_board(scenario_, robot_, options, host_);

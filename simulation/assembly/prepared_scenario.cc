@@ -5,6 +5,7 @@
 #include "base/text/error.h"
 #include "firmware/fixed/host/convert.h"
 #include "firmware/storage/catalogue.h"
+#include "simulation/assembly/plant.h"
 #include "simulation/assembly/robot_parameters.h"
 #include "simulation/assembly/storage_contents.h"
 #include "simulation/gait/gait_motion.h"
@@ -17,7 +18,7 @@ namespace {
 // Adds a gait to the scenario: its motion, the plan as the reference for the evaluation, the gains of its
 // feedback, and the initial pose of the robot.
 std::vector<std::byte> compile_gait(const Gait& gait, PreparedScenario& prepared) {
-  auto& [scenario, robot, model, gait_plan, contents] = prepared;
+  auto& [scenario, robot, plant, model, gait_plan, contents] = prepared;
   gait_plan.emplace(gait);
   const MotionSource motion = make_gait_motion(gait, robot, model);
   if (scenario.initial.joints.empty()) {
@@ -59,6 +60,7 @@ std::vector<std::vector<std::byte>> compile_motions(PreparedScenario& prepared) 
 
 PreparedScenario prepare(const Scenario& scenario) {
   PreparedScenario prepared{.scenario = scenario, .robot = read_robot(scenario)};
+  prepared.plant = read_plant(scenario);
   prepared.model = load_named_model(prepared.robot);
   prepared.storage_contents =
       make_storage_contents(prepared.model.image, compile_motions(prepared),

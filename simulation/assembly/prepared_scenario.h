@@ -13,11 +13,14 @@ namespace koboshi::simulation {
 
 // A scenario with all its files read and compiled, ready for power-on.
 struct PreparedScenario {
-  Scenario scenario;                  // including the items that its gait adds
-  sim_board::RobotDescription robot;  // as described in its file
+  Scenario scenario;                                   // including the items that its gait adds
+  sim_board::RobotDescription robot;                   // as described in its file: the firmware's model
+  std::optional<sim_board::RobotDescription> plant{};  // the robot in the world where it differs from that
   NamedModel model{};
   std::optional<GaitPlan> gait_plan{};  // the reference of the gait
   std::vector<std::byte> storage_contents{};
+
+  const sim_board::RobotDescription& robot_in_world() const { return plant ? *plant : robot; }
 };
 
 // Reads and compiles a scenario. Throws InputError for an error in any of its files.

@@ -15,8 +15,8 @@ using Prepared = std::shared_ptr<const PreparedScenario>;
 
 std::shared_ptr<const sim_board::RobotDescription> changed(const Prepared& prepared,
                                                            const RobotChange& change) {
-  if (!change) return {prepared, &prepared->robot};
-  auto robot = std::make_shared<sim_board::RobotDescription>(prepared->robot);
+  if (!change) return {prepared, &prepared->robot_in_world()};
+  auto robot = std::make_shared<sim_board::RobotDescription>(prepared->robot_in_world());
   change(*robot);
   return robot;
 }

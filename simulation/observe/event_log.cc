@@ -58,7 +58,13 @@ EventLog::EventLog(const Scenario& scenario, const NamedModel& model, const walk
       model_(model),
       limits_(limits),
       begun_(scenario.faults.size()),
-      ended_(scenario.faults.size()) {}
+      ended_(scenario.faults.size()) {
+  for (const PlantSetting& setting : scenario.plant)
+    add(0, "plant",
+        "The simulated robot has " + setting.field.text + " = " + setting.value + ", unlike its model.",
+        {{"key", setting.field.text}, {"value", setting.value}});
+  last_text_.clear();
+}
 
 void EventLog::add(std::uint64_t time_us, const std::string& kind, const std::string& text,
                    nlohmann::ordered_json fields) {

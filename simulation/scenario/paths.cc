@@ -231,12 +231,7 @@ fs::path find_input(InputKind kind, const fs::path& given) {
 
 Override robot_override(const std::string& given) {
   if (given.empty()) return {"robot", "", "--robot"};
-  std::string quoted = "\"";
-  for (const char letter : fs::absolute(find_input(InputKind::kRobot, given)).string()) {
-    if (letter == '"' || letter == '\\') quoted += '\\';
-    quoted += letter;
-  }
-  return {"robot", quoted + '"', "--robot"};
+  return text_override("robot", fs::absolute(find_input(InputKind::kRobot, given)).string(), "--robot");
 }
 
 fs::path find_motion(const fs::path& given, const fs::path& robot) {

@@ -56,6 +56,18 @@ void check_motion_names(const Scenario& scenario, const YamlMap& root) {
   }
 }
 
+// Keys may have dots or be nested: left_shank.mass: 80 g, or left_shank: {mass: 80 g}.
+void add_plant(const YamlMap& map, const std::string& prefix, std::vector<PlantSetting>& plant) {
+  for (const auto& [key, value] : map.entries()) {
+    const std::string path = prefix + key;
+    if (value.is_map()) {
+      add_plant(value.map(), path + ".", plant);
+    } else {
+      plant.push_back({{path, value.source().string(), value.line()}, value.text()});
+    }
+  }
+}
+
 // Reads true, false, or a factor.
 double read_noise_scale(const YamlMap& root) {
   if (!root.has("noise")) return 1.0;
@@ -186,6 +198,7 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   root.require_version(1);
   scenario.robot = read_input(root.value("robot"), folder, InputKind::kRobot);
   scenario.robot_parameters = read_robot_parameters(scenario.robot);
+  if (const auto plant = root.optional_child("plant")) add_plant(*plant, "", scenario.plant);
   scenario.motions = read_motions(root, folder, scenario.robot);
   scenario.gait = read_gait(root, folder, scenario.robot);
   scenario.duration_us = to_us(root.number("duration_s", {.min = 0.01, .max = kMaxRun_s}));

@@ -195,11 +195,18 @@ struct RobotParameters {
   std::vector<ParameterSetting> settings;
 };
 
+// A value of the simulated robot that differs from the robot's file, and so from the firmware's model.
+struct PlantSetting {
+  SourcedName field;  // as in `koboshi model set`: left_shank.mass
+  std::string value;  // with or without a unit: 80 g
+};
+
 struct Scenario {
   std::filesystem::path file;
   YamlNode document{};  // contents of the file including the overrides; null if there is no file
   std::filesystem::path robot;
   RobotParameters robot_parameters;
+  std::vector<PlantSetting> plant;    // in the order in which they are set
   std::vector<MotionChoice> motions;  // the index is the motion's number in the controller
   std::optional<GaitChoice> gait;
   std::uint64_t duration_us = 0;

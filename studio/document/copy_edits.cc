@@ -10,10 +10,6 @@
 namespace koboshi::studio {
 namespace {
 
-using tools::YamlDocument;
-using tools::YamlEdit;
-using tools::YamlPath;
-
 constexpr const char* kClipboard = "copied steps";
 
 // Adds the poses to which a step or pose refers.
@@ -117,7 +113,7 @@ std::string MotionDocument::copy_rows(std::span<const std::size_t> rows) const {
   const YamlNode& tree = yaml().tree();
   std::string block;
   std::set<std::string> names;
-  for (const tools::YamlItems& run : runs_of(rows_, rows, source_name())) {
+  for (const YamlItems& run : runs_of(rows_, rows, source_name())) {
     block += yaml_->items_text(run.collection, run.first, run.count);
     for (std::size_t i = run.first; i < run.first + run.count; ++i)
       add_references(*find_node(tree, joined(run.collection, {std::to_string(i)})), names);

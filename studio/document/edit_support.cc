@@ -13,8 +13,6 @@
 namespace koboshi::studio {
 namespace {
 
-using tools::YamlPath;
-
 constexpr double kTimeUnit_s = 0.001;
 constexpr double kMinTime_s = motion::kMinStepTime_us * 1e-6;
 constexpr double kMaxTime_s = motion::kMaxStepTime_us * 1e-6;
@@ -98,14 +96,14 @@ std::vector<PoseReference> pose_references(const YamlNode& tree) {
   return found;
 }
 
-void rename_poses(tools::YamlDocument& yaml, const std::map<std::string, std::string>& names) {
-  std::vector<tools::YamlEdit> edits;
+void rename_poses(YamlDocument& yaml, const std::map<std::string, std::string>& names) {
+  std::vector<YamlEdit> edits;
   for (const auto& [path, pose] : pose_references(yaml.tree())) {
     if (const auto name = names.find(pose); name != names.end())
-      edits.push_back({tools::YamlEdit::Kind::kSet, path, yaml_scalar(name->second)});
+      edits.push_back({YamlEdit::Kind::kSet, path, yaml_scalar(name->second)});
   }
   for (const auto& [from, to] : names)
-    edits.push_back({tools::YamlEdit::Kind::kRename, pose_path(from), yaml_scalar(to)});
+    edits.push_back({YamlEdit::Kind::kRename, pose_path(from), yaml_scalar(to)});
   yaml.edit(edits);
 }
 
@@ -225,7 +223,7 @@ std::string fresh_pose_name(const YamlNode& tree, const std::string& wish) {
   return fresh_name(taken, wish);
 }
 
-void add_poses(tools::YamlDocument& yaml, std::size_t index, const std::string& block) {
+void add_poses(YamlDocument& yaml, std::size_t index, const std::string& block) {
   if (block.empty()) return;
   if (yaml.tree().find("poses") == nullptr) yaml.insert("poses", "{}");
   yaml.insert_items("poses", std::min(index, yaml.tree().find("poses")->items.size()), block);
@@ -243,10 +241,10 @@ std::vector<std::size_t> each_once(const MotionRows& rows, std::span<const std::
                    "one of the " + count_text(rows.rows.size(), "step"));
 }
 
-std::vector<tools::YamlItems> runs_of(const MotionRows& rows, std::span<const std::size_t> selected,
-                                      const std::filesystem::path& source) {
+std::vector<YamlItems> runs_of(const MotionRows& rows, std::span<const std::size_t> selected,
+                               const std::filesystem::path& source) {
   std::vector<bool> covered(rows.rows.size(), false);
-  std::vector<tools::YamlItems> runs;
+  std::vector<YamlItems> runs;
   for (const std::size_t row : each_once(rows, selected, source)) {
     const MotionRow& step = rows.rows[row];
     bool in_body = false;

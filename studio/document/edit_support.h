@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "base/edit/yaml_document.h"
 #include "base/yaml/yaml_tree.h"
 #include "studio/document/motion_document.h"
-#include "tools/edit/yaml_document.h"
 
 namespace koboshi::studio {
 
@@ -18,30 +18,30 @@ namespace koboshi::studio {
 
 using Steps = std::vector<std::string>;  // of a YamlPath
 
-[[nodiscard]] tools::YamlPath joined(const tools::YamlPath& path, const Steps& more);
-[[nodiscard]] tools::YamlPath pose_path(const std::string& pose);
+[[nodiscard]] YamlPath joined(const YamlPath& path, const Steps& more);
+[[nodiscard]] YamlPath pose_path(const std::string& pose);
 
 // Returns the value at a path; nullptr if there is none.
-[[nodiscard]] const YamlNode* find_node(const YamlNode& root, const tools::YamlPath& path);
+[[nodiscard]] const YamlNode* find_node(const YamlNode& root, const YamlPath& path);
 // Returns the text of a scalar; empty if there is none.
-[[nodiscard]] std::string scalar_at(const YamlNode& root, const tools::YamlPath& path);
+[[nodiscard]] std::string scalar_at(const YamlNode& root, const YamlPath& path);
 // The version of the motion language in which the file is written; 1 if it does not say.
 [[nodiscard]] int version_of(const YamlNode& tree);
 
 // Calls `visit` for each step of a list, with its body, in the order of the file.
-using StepVisitor = std::function<void(const YamlNode& step, const tools::YamlPath& path)>;
-void for_each_step(const YamlNode& list, const tools::YamlPath& path, const StepVisitor& visit);
+using StepVisitor = std::function<void(const YamlNode& step, const YamlPath& path)>;
+void for_each_step(const YamlNode& list, const YamlPath& path, const StepVisitor& visit);
 // Calls `visit` for all steps of a motion: those of the program and of the routines.
 void for_each_step(const YamlNode& tree, const StepVisitor& visit);
 
 // A place that names a pose: a step, or a pose that is derived from it.
 struct PoseReference {
-  tools::YamlPath path;
+  YamlPath path;
   std::string pose;
 };
 [[nodiscard]] std::vector<PoseReference> pose_references(const YamlNode& tree);
 // Renames poses with all references, at once. `names`: new names by the old ones.
-void rename_poses(tools::YamlDocument& yaml, const std::map<std::string, std::string>& names);
+void rename_poses(YamlDocument& yaml, const std::map<std::string, std::string>& names);
 
 // Writes a text as a YAML value or key, with quotes where it needs them.
 [[nodiscard]] std::string yaml_scalar(const std::string& text);
@@ -66,13 +66,12 @@ void rename_poses(tools::YamlDocument& yaml, const std::map<std::string, std::st
 // The same among the poses of a file.
 [[nodiscard]] std::string fresh_pose_name(const YamlNode& tree, const std::string& wish);
 // Adds poses, a block of entries, behind the entry `index`; creates the map if it is missing.
-void add_poses(tools::YamlDocument& yaml, std::size_t index, const std::string& block);
+void add_poses(YamlDocument& yaml, std::size_t index, const std::string& block);
 
 // Returns the rows as runs in the order of the rows. A row stands for its body as well, so that selected
 // rows of the body are left out. Throws InputError without a row, and for one that does not exist.
-[[nodiscard]] std::vector<tools::YamlItems> runs_of(const MotionRows& rows,
-                                                    std::span<const std::size_t> selected,
-                                                    const std::filesystem::path& source);
+[[nodiscard]] std::vector<YamlItems> runs_of(const MotionRows& rows, std::span<const std::size_t> selected,
+                                             const std::filesystem::path& source);
 // Returns the selected rows, each once, in order.
 [[nodiscard]] std::vector<std::size_t> each_once(const MotionRows& rows,
                                                  std::span<const std::size_t> selected,

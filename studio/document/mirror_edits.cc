@@ -17,9 +17,6 @@ namespace {
 
 using simulation::JointNames;
 using simulation::PoseSource;
-using tools::YamlDocument;
-using tools::YamlEdit;
-using tools::YamlPath;
 
 // Returns a pose with the angles of the mirror image: the pose itself if it is symmetric.
 const PoseSource* find_mirror_image(const std::vector<PoseSource>& poses, const PoseSource& pose,
@@ -83,12 +80,12 @@ std::string MotionDocument::mirrored_steps(const YamlDocument& yaml, const std::
 }
 
 void MotionDocument::mirror_rows(std::span<const std::size_t> rows) {
-  const std::vector<tools::YamlItems> runs = runs_of(rows_, rows, source_name());
+  const std::vector<YamlItems> runs = runs_of(rows_, rows, source_name());
   edit("Mirror", {}, [&](YamlDocument& yaml) {
     if (!source_) throw InputError(source_name(), 0, "a motion with errors", "a motion that compiles");
     std::map<std::string, std::string> images;
     std::string new_poses;
-    for (const tools::YamlItems& run : std::views::reverse(runs)) {
+    for (const YamlItems& run : std::views::reverse(runs)) {
       const std::string before = yaml.items_text(run.collection, run.first, run.count);
       const std::string after = mirrored_steps(yaml, before, images, new_poses);
       if (after != before) yaml.replace_items(run, after);

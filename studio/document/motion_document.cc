@@ -92,7 +92,7 @@ const simulation::CompiledMotion* MotionDocument::compiled() const {
 
 fs::path MotionDocument::source_name() const { return file().empty() ? fs::path("untitled.yaml") : file(); }
 
-const tools::YamlDocument& MotionDocument::yaml() const {
+const YamlDocument& MotionDocument::yaml() const {
   if (yaml_) return *yaml_;
   const int line = diagnostics_.empty() ? 0 : diagnostics_.front().place.line;
   throw InputError(source_name(), line, "a text that is no YAML", "its errors corrected first");
@@ -116,7 +116,7 @@ void MotionDocument::require_version_2(const std::string& construct) const {
 // --- Text
 
 void MotionDocument::edit(std::string_view label, std::string_view drag,
-                          const std::function<void(tools::YamlDocument&)>& change) {
+                          const std::function<void(YamlDocument&)>& change) {
   static_cast<void>(yaml());
   try {
     change(*yaml_);
@@ -154,7 +154,7 @@ void MotionDocument::analyse() {
     if (!yaml_) {
       static_cast<void>(simulation::read_motion_text(source_name(), text_));
       // Only libfyaml refuses it.
-      static_cast<void>(tools::YamlDocument(source_name(), text_).places());
+      static_cast<void>(YamlDocument(source_name(), text_).places());
     }
     source_ = simulation::parse_motion(source_name(), yaml_->tree(), robot_->model, diagnostics);
     if (!diagnostics.has_errors()) {
@@ -189,8 +189,7 @@ void MotionDocument::set_name(const std::string& name) {
   const YamlNode* present = yaml().tree().find("name");
   check_name(name, source_name(), present != nullptr ? present->line : 0);
   if (name == this->name()) return;
-  edit("Rename the motion", {},
-       [&](tools::YamlDocument& yaml) { yaml.set(tools::YamlPath({"name"}), yaml_scalar(name)); });
+  edit("Rename the motion", {}, [&](YamlDocument& yaml) { yaml.set(YamlPath({"name"}), yaml_scalar(name)); });
 }
 
 void MotionDocument::follow_name_of(const fs::path& file) {

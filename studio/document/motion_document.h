@@ -11,13 +11,13 @@
 #include <string_view>
 #include <vector>
 
+#include "base/edit/yaml_document.h"
 #include "simulation/motion_language/compile/compile.h"
 #include "simulation/motion_language/parse/diagnostic.h"
 #include "simulation/motion_language/parse/source.h"
 #include "studio/document/motion_robot.h"
 #include "studio/document/motion_rows.h"
 #include "studio/document/text_document.h"
-#include "tools/edit/yaml_document.h"
 
 namespace koboshi::studio {
 
@@ -102,10 +102,9 @@ class MotionDocument final : public TextDocument {
   // Multiplies the present times, pauses and time-outs, and divides speeds.
   void scale_time(std::span<const std::size_t> rows, double factor, std::string_view drag = {});
   // Sets a key of a step to a YAML value in flow style; the path begins within the step: "loop.times".
-  void set_value(std::size_t row, const tools::YamlPath& path, std::string_view value,
-                 std::string_view drag = {});
+  void set_value(std::size_t row, const YamlPath& path, std::string_view value, std::string_view drag = {});
   // Removes a key of a step.
-  void erase_value(std::size_t row, const tools::YamlPath& path);
+  void erase_value(std::size_t row, const YamlPath& path);
 
   // Steps. Insertions return the first new row.
   // `yaml`: one step in flow style, or a block list of steps (lines that begin with "- ").
@@ -154,13 +153,12 @@ class MotionDocument final : public TextDocument {
                  std::filesystem::path recovery_folder);
 
   // Makes an edit of the YAML one change of the history.
-  void edit(std::string_view label, std::string_view drag,
-            const std::function<void(tools::YamlDocument&)>& change);
+  void edit(std::string_view label, std::string_view drag, const std::function<void(YamlDocument&)>& change);
   void check(const std::string& /*text*/) const override {}  // a text with errors can be edited
   void take_text(std::string text) override;
   void match_file() override { autosave_.match_file(file()); }
   void analyse();
-  const tools::YamlDocument& yaml() const;
+  const YamlDocument& yaml() const;
   // The name of the file in messages.
   std::filesystem::path source_name() const;
   const MotionRow& row(std::size_t row) const;
@@ -169,22 +167,22 @@ class MotionDocument final : public TextDocument {
 
   // Index in the list of steps with this path.
   struct ListPlace {
-    tools::YamlPath list;
+    YamlPath list;
     std::size_t index = 0;
   };
   ListPlace find_place(const StepPlace& place) const;
   std::size_t row_at(const ListPlace& place) const;
   // Inserts a block of steps; a missing `else` becomes one.
-  static void insert_steps(tools::YamlDocument& yaml, const ListPlace& place, std::string_view block);
-  tools::YamlPath own_pose(tools::YamlDocument& yaml, const MotionRow& row, PoseScope scope) const;
-  std::vector<tools::YamlEdit> angle_edits(const tools::YamlDocument& yaml, const tools::YamlPath& pose,
-                                           const MotionRow& row, std::span<const JointAngle> angles) const;
-  std::string mirrored_steps(const tools::YamlDocument& yaml, const std::string& block,
+  static void insert_steps(YamlDocument& yaml, const ListPlace& place, std::string_view block);
+  YamlPath own_pose(YamlDocument& yaml, const MotionRow& row, PoseScope scope) const;
+  std::vector<YamlEdit> angle_edits(const YamlDocument& yaml, const YamlPath& pose, const MotionRow& row,
+                                    std::span<const JointAngle> angles) const;
+  std::string mirrored_steps(const YamlDocument& yaml, const std::string& block,
                              std::map<std::string, std::string>& images, std::string& new_poses) const;
 
   std::shared_ptr<const MotionRobot> robot_;
   std::string text_;
-  std::optional<tools::YamlDocument> yaml_;  // none: the text is no YAML
+  std::optional<YamlDocument> yaml_;  // none: the text is no YAML
   std::optional<simulation::MotionSource> source_;
   std::optional<simulation::CompiledMotion> compiled_;
   std::vector<simulation::Diagnostic> diagnostics_;

@@ -55,7 +55,7 @@ class RowBuilder {
     if (const YamlNode* routines = tree_.find("routines")) {
       for (const YamlNode& routine : routines->items) {
         if (routine.key.empty()) continue;
-        const tools::YamlPath path(std::vector<std::string>{"routines", routine.key});
+        const YamlPath path(std::vector<std::string>{"routines", routine.key});
         by_name_[routine.key] = sections_.size();
         sections_.push_back({.list = &routine, .info = {routine.key, path, routine.line}});
       }
@@ -97,7 +97,7 @@ class RowBuilder {
     for (std::size_t i = 0; list.kind == YamlNode::Kind::kList && i < list.items.size(); ++i) {
       path.push_back(std::to_string(i));
       const std::size_t index = section.rows.size();
-      section.rows.push_back({.path = tools::YamlPath(path), .depth = depth, .parent = parent});
+      section.rows.push_back({.path = YamlPath(path), .depth = depth, .parent = parent});
       section.rows[index].in_else = in_else;
       section.rows[index].list_index = i;
       add_step(section, index, list.items[i], path, state);
@@ -250,7 +250,7 @@ class RowBuilder {
 
 }  // namespace
 
-std::optional<std::size_t> MotionRows::find(const tools::YamlPath& path) const {
+std::optional<std::size_t> MotionRows::find(const YamlPath& path) const {
   const auto found =
       std::ranges::find_if(rows, [&](const MotionRow& row) { return row.path.steps() == path.steps(); });
   if (found == rows.end()) return std::nullopt;

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "base/edit/yaml_document.h"
 #include "base/yaml/yaml_tree.h"
 #include "simulation/motion_language/parse/diagnostic.h"
 #include "simulation/motion_language/parse/source.h"
 #include "studio/document/motion_robot.h"
-#include "tools/edit/yaml_document.h"
 
 namespace koboshi::studio {
 
@@ -20,7 +20,7 @@ namespace koboshi::studio {
 // Times and angles are those of the nominal path: conditions of waits hold at once, those of branches hold,
 // jumps are not taken, loops that a condition or a stop command ends run once.
 struct MotionRow {
-  tools::YamlPath path = {};               // "steps.2.loop.steps.0"
+  YamlPath path = {};                      // "steps.2.loop.steps.0"
   std::size_t section = 0;                 // index into MotionRows::sections
   int depth = 0;                           // 0: a step of the section itself
   std::optional<std::size_t> parent = {};  // row of the loop or branch around it
@@ -61,7 +61,7 @@ struct MotionRow {
 // The main program, or a routine.
 struct MotionSection {
   std::string name = {};  // of the routine; empty: the main program
-  tools::YamlPath path = {};
+  YamlPath path = {};
   int line = 0;
   std::size_t first_row = 0;
   std::size_t row_count = 0;
@@ -76,7 +76,7 @@ struct MotionRows {
   std::vector<MotionRow> rows = {};
 
   // Returns the row of a step, for a selection that outlives an edit.
-  [[nodiscard]] std::optional<std::size_t> find(const tools::YamlPath& path) const;
+  [[nodiscard]] std::optional<std::size_t> find(const YamlPath& path) const;
   // Returns the row whose lines contain a line of the file, for messages and the cursor of a text panel.
   [[nodiscard]] std::optional<std::size_t> find_line(int line) const;
 };

@@ -14,9 +14,6 @@ namespace koboshi::studio {
 namespace {
 
 using simulation::JointNames;
-using tools::YamlDocument;
-using tools::YamlEdit;
-using tools::YamlPath;
 
 constexpr double kHalfUnit_rad = 0.005 * kRadPerDegree;
 constexpr std::array kLegTargets{"trunk", "com", "left_foot", "right_foot"};

@@ -10,8 +10,6 @@ namespace koboshi::studio {
 namespace {
 
 using simulation::StepSource;
-using tools::YamlDocument;
-using tools::YamlPath;
 
 // Whether `path` begins with the steps of `outer`.
 bool is_within(const Steps& path, const Steps& outer) {
@@ -20,7 +18,7 @@ bool is_within(const Steps& path, const Steps& outer) {
 
 // Corrects an index in a path for the removal of a run; both belong to the list whose path is shorter.
 // Returns false if the path leads into the run.
-bool shift_for_removal(Steps& path, const tools::YamlItems& run) {
+bool shift_for_removal(Steps& path, const YamlItems& run) {
   const Steps& list = run.collection.steps();
   if (path.size() <= list.size() || !is_within(path, list)) return true;
   const std::size_t index = std::stoul(path[list.size()]);
@@ -96,32 +94,32 @@ std::size_t MotionDocument::insert_step(const StepPlace& place, std::string_view
 }
 
 void MotionDocument::erase_rows(std::span<const std::size_t> rows) {
-  const std::vector<tools::YamlItems> runs = runs_of(rows_, rows, source_name());
+  const std::vector<YamlItems> runs = runs_of(rows_, rows, source_name());
   edit(steps_label("Delete", rows.size()), {},
        [&](YamlDocument& yaml) { yaml.erase_items(runs, YamlDocument::Comments::kKeep); });
 }
 
 std::size_t MotionDocument::duplicate_rows(std::span<const std::size_t> rows) {
-  const std::vector<tools::YamlItems> runs = runs_of(rows_, rows, source_name());
+  const std::vector<YamlItems> runs = runs_of(rows_, rows, source_name());
   const ListPlace target{runs.back().collection, runs.back().first + runs.back().count};
   edit(steps_label("Duplicate", rows.size()), {}, [&](YamlDocument& yaml) {
     std::string block;
-    for (const tools::YamlItems& run : runs) block += yaml.items_text(run.collection, run.first, run.count);
+    for (const YamlItems& run : runs) block += yaml.items_text(run.collection, run.first, run.count);
     yaml.insert_items(target.list, target.index, block);
   });
   return row_at(target);
 }
 
 std::size_t MotionDocument::move_rows(std::span<const std::size_t> rows, const StepPlace& place) {
-  const std::vector<tools::YamlItems> runs = runs_of(rows_, rows, source_name());
+  const std::vector<YamlItems> runs = runs_of(rows_, rows, source_name());
   ListPlace target = find_place(place);
   edit(steps_label("Move", rows.size()), {}, [&](YamlDocument& yaml) {
     // The body into which the steps move exists before the paths change.
     if (find_node(yaml.tree(), target.list) == nullptr) yaml.set(target.list, "[]");
     std::string block;
-    for (const tools::YamlItems& run : runs) block += yaml.items_text(run.collection, run.first, run.count);
+    for (const YamlItems& run : runs) block += yaml.items_text(run.collection, run.first, run.count);
     Steps gap = joined(target.list, {std::to_string(target.index)}).steps();
-    for (const tools::YamlItems& run : std::views::reverse(runs)) {
+    for (const YamlItems& run : std::views::reverse(runs)) {
       if (!shift_for_removal(gap, run))
         throw InputError(source_name(), 0, "a place within the steps that move", "a place outside of them");
     }

@@ -13,9 +13,6 @@ namespace koboshi::studio {
 namespace {
 
 using simulation::StepSource;
-using tools::YamlDocument;
-using tools::YamlEdit;
-using tools::YamlPath;
 using Kind = StepSource::Kind;
 
 constexpr double kSpeedUnit_deg_per_s = 0.01;
@@ -162,10 +159,10 @@ void MotionDocument::erase_value(std::size_t index, const YamlPath& path) {
 }
 
 void MotionDocument::reverse_rows(std::span<const std::size_t> rows) {
-  const std::vector<tools::YamlItems> runs = runs_of(rows_, rows, source_name());
+  const std::vector<YamlItems> runs = runs_of(rows_, rows, source_name());
   if (runs.size() != 1)
     throw InputError(source_name(), 0, "steps that do not follow each other", "moves and waits of one list");
-  const tools::YamlItems& run = runs.front();
+  const YamlItems& run = runs.front();
   edit("Reverse order", {}, [&](YamlDocument& yaml) {
     std::vector<std::pair<YamlPath, YamlNode>> moves;
     for (std::size_t i = run.first; i < run.first + run.count; ++i) {

@@ -42,7 +42,7 @@ void BodyTree::show_robot(const ModelDocument& document) {
   const sim_board::RobotDescription& robot = document.robot();
   add_body(*invisibleRootItem(), robot, 0);
   QTreeWidgetItem* servos = nullptr;
-  for (const tools::ModelElement& element : document.elements()) {
+  for (const sim_board::ModelElement& element : document.elements()) {
     if (element.is("koboshi:battery")) new QTreeWidgetItem(this, {QString::fromStdString(element.name)});
     if (!element.is("koboshi:servo_type")) continue;
     if (servos == nullptr) servos = heading(*this, tr("Servo types"));

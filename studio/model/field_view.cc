@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "base/text/text.h"
-#include "tools/robot_file/edit/field_value.h"
+#include "sim_board/description/edit/field_value.h"
 
 namespace koboshi::studio {
 namespace {
@@ -27,20 +27,21 @@ bool is_wrapper(const std::string& tag) {
 }
 
 // "gyro noise_density"; a pose's own attributes keep its name.
-QString label_of(const tools::ModelField& field) {
+QString label_of(const sim_board::ModelField& field) {
   std::string label;
   for (std::size_t i = 2;
-       i + (field.attribute != nullptr || field.part != tools::PosePart::kWhole ? 0 : 1) < field.steps.size();
+       i + (field.attribute != nullptr || field.part != sim_board::PosePart::kWhole ? 0 : 1) <
+       field.steps.size();
        ++i)
-    if (const std::string tag = tools::plain_tag(field.steps[i].rule->name); !is_wrapper(tag))
+    if (const std::string tag = sim_board::plain_tag(field.steps[i].rule->name); !is_wrapper(tag))
       label += tag + " ";
-  return qt_text(label + tools::field_label(field));
+  return qt_text(label + sim_board::field_label(field));
 }
 
 // What a panel shows: halves instead of whole poses, and of what the file lacks only values that it can take
 // alone.
-bool is_shown(const tools::ModelField& field) {
-  if (field.part == tools::PosePart::kWhole && field.attribute == nullptr && field.numbers() == 6)
+bool is_shown(const sim_board::ModelField& field) {
+  if (field.part == sim_board::PosePart::kWhole && field.attribute == nullptr && field.numbers() == 6)
     return false;
   if (field.value) return true;
   const std::size_t holders = field.steps.size() - (field.attribute != nullptr ? 0 : 1);
@@ -48,11 +49,11 @@ bool is_shown(const tools::ModelField& field) {
                      [](const auto& step) { return step.number.has_value(); });
 }
 
-QString range_text(const tools::ModelField& field) {
+QString range_text(const sim_board::ModelField& field) {
   const NumberRange& range = field.range();
   const auto end = [&](double value) -> QString {
     if (std::abs(value) >= NumberRange().max) return QStringLiteral("∞");
-    return qt_text(tools::shown_text(field, koboshi::number_text(value)));
+    return qt_text(sim_board::shown_text(field, koboshi::number_text(value)));
   };
   if (field.numbers() == 0 && field.content() != XmlContent::kInteger)
     return qt_text(field.choices().empty() ? "" : join_alternatives(field.choices()));
@@ -60,7 +61,7 @@ QString range_text(const tools::ModelField& field) {
   return end(range.min) + QStringLiteral(" … ") + end(range.max);
 }
 
-QString tip_of(const tools::ModelField& field) {
+QString tip_of(const sim_board::ModelField& field) {
   QStringList parts;
   if (!field.note().meaning.empty()) parts << qt_text(field.note().meaning);
   parts << FieldView::tr("Path: %1").arg(qt_text(field.path));
@@ -156,15 +157,15 @@ void FieldView::update_rows(QStandardItem& shown, const QStandardItem& wanted) {
 // one.
 std::vector<FieldView::Group> FieldView::groups_of(const ModelDocument& document) const {
   std::vector<Group> groups;
-  for (const tools::ModelField& field : fields_) {
+  for (const sim_board::ModelField& field : fields_) {
     if (!is_shown(field)) continue;
     const bool is_inner = field.steps.size() > 1 && field.steps[1].rule->content == XmlContent::kChildren;
-    const tools::ModelField::Step& at = field.steps[is_inner ? 1 : 0];
-    QString title = qt_text(tools::plain_tag(at.rule->name));
+    const sim_board::ModelField::Step& at = field.steps[is_inner ? 1 : 0];
+    QString title = qt_text(sim_board::plain_tag(at.rule->name));
     if (!at.name.empty()) title += QLatin1Char(' ') + qt_text(at.name);
     auto found = std::ranges::find(groups, title, &Group::title);
     if (found == groups.end()) {
-      tools::ModelField owner = field;
+      sim_board::ModelField owner = field;
       owner.steps.resize(is_inner ? 2 : 1);
       const auto path = owner.element_path(document.xml());
       groups.push_back({title, path ? document.xml().find(*path)->line : 0});
@@ -183,7 +184,7 @@ QStandardItem* FieldView::group_item(const ModelDocument& document, const Group&
   title->setEditable(false);
   for (const tools::ModelFinding& finding : document.report().findings)
     if (finding.line == group.line && group.line > 0) title->appendRow(finding_item(finding));
-  for (const tools::ModelField* field : group.fields) title->appendRow(row_of(*field));
+  for (const sim_board::ModelField* field : group.fields) title->appendRow(row_of(*field));
   return title;
 }
 
@@ -211,15 +212,15 @@ QStandardItem* FieldView::finding_item(const tools::ModelFinding& finding) const
   return item;
 }
 
-QList<QStandardItem*> FieldView::row_of(const tools::ModelField& field) const {
+QList<QStandardItem*> FieldView::row_of(const sim_board::ModelField& field) const {
   auto* name = new QStandardItem(label_of(field));
   const bool is_missing = !field.value;
   const std::string value = field.value.value_or(field.fallback());
   // A unit other than the file's stands in the text that is edited: a number without one is in the file's.
-  const std::string unit = tools::shown_unit(field);
+  const std::string unit = sim_board::shown_unit(field);
   const bool is_converted = !unit.empty() && unit != field.unit();
   auto* shown =
-      new QStandardItem(qt_text(tools::shown_text(field, value) + (is_converted ? " " + unit : "")));
+      new QStandardItem(qt_text(sim_board::shown_text(field, value) + (is_converted ? " " + unit : "")));
   shown->setData(qt_text(field.key()), kKeyRole);
   shown->setData(shown->text(), kTypedRole);
   if (is_missing) {
@@ -252,7 +253,7 @@ void FieldView::take_edit(QStandardItem* item) {
 }
 
 QModelIndex FieldView::choose(const QString& path) {
-  for (const tools::ModelField& field : fields_) {
+  for (const sim_board::ModelField& field : fields_) {
     if (qt_text(field.path) != path && qt_text(field.key()) != path) continue;
     for (int group = 0; group < model_->rowCount(); ++group)
       for (int row = 0; row < model_->item(group)->rowCount(); ++row) {

@@ -35,7 +35,7 @@ class FieldView final : public QTreeView {
   struct Group {
     QString title{};
     int line = 0;  // of its element
-    std::vector<const tools::ModelField*> fields{};
+    std::vector<const sim_board::ModelField*> fields{};
   };
 
   std::vector<Group> groups_of(const ModelDocument& document) const;
@@ -44,12 +44,12 @@ class FieldView final : public QTreeView {
   void add_group(QStandardItem* title);
   bool has_rows(const std::vector<QStandardItem*>& titles) const;
   static void update_rows(QStandardItem& shown, const QStandardItem& wanted);
-  QList<QStandardItem*> row_of(const tools::ModelField& field) const;
+  QList<QStandardItem*> row_of(const sim_board::ModelField& field) const;
   void take_edit(QStandardItem* item);
 
   QStandardItemModel* const model_;
   QString element_;
-  std::vector<tools::ModelField> fields_;
+  std::vector<sim_board::ModelField> fields_;
   std::map<QString, bool> open_;  // by title of a group
   bool filling_ = false;
 };

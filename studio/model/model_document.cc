@@ -12,11 +12,11 @@ namespace {
 namespace fs = std::filesystem;
 
 // Removes what the simulation does not read.
-void strip_look(tools::XmlPart& part) {
-  std::erase_if(part.parts, [](const tools::XmlPart& child) {
-    return child.kind == tools::XmlPart::Kind::kComment || child.name == "visual";
+void strip_look(XmlPart& part) {
+  std::erase_if(part.parts, [](const XmlPart& child) {
+    return child.kind == XmlPart::Kind::kComment || child.name == "visual";
   });
-  for (tools::XmlPart& child : part.parts) strip_look(child);
+  for (XmlPart& child : part.parts) strip_look(child);
 }
 
 }  // namespace
@@ -49,36 +49,36 @@ tools::ModelReport ModelDocument::checked(const std::string& text) const {
   return checker_.check(file(), text, sim_board::load_robot(file(), text));
 }
 
-std::vector<tools::ModelField> ModelDocument::fields(const std::string& element) const {
-  for (const tools::ModelElement& one : elements())
-    if (one.name == element) return tools::model_fields(xml_, one);
+std::vector<sim_board::ModelField> ModelDocument::fields(const std::string& element) const {
+  for (const sim_board::ModelElement& one : elements())
+    if (one.name == element) return sim_board::model_fields(xml_, one);
   return {};
 }
 
 std::string ModelDocument::element_at(int line) const {
   const auto all = elements();
   const auto parts = xml_.root().elements();
-  const auto model = std::ranges::find(parts, "model", [](const tools::XmlPart* part) { return part->name; });
+  const auto model = std::ranges::find(parts, "model", [](const XmlPart* part) { return part->name; });
   if (model == parts.end()) return {};
   const auto children = (*model)->elements();
   std::string found;
-  for (const tools::ModelElement& element : all)
+  for (const sim_board::ModelElement& element : all)
     if (children[element.number]->line <= line) found = element.name;
   return found;
 }
 
-void ModelDocument::set(const std::string& path, const std::string& typed, tools::Sides sides,
+void ModelDocument::set(const std::string& path, const std::string& typed, sim_board::Sides sides,
                         std::string_view drag) {
-  tools::XmlDocument edited = xml_;
-  tools::edit_settings(edited, {{path, typed}}, sides);
+  XmlDocument edited = xml_;
+  sim_board::edit_settings(edited, {{path, typed}}, sides);
   take(std::move(edited), "Set " + path, drag);
 }
 
 void ModelDocument::replace_text(const std::string& text) {
-  take(tools::XmlDocument(file(), text), "Edit text", {});
+  take(XmlDocument(file(), text), "Edit text", {});
 }
 
-void ModelDocument::take(tools::XmlDocument edited, const std::string& label, std::string_view drag) {
+void ModelDocument::take(XmlDocument edited, const std::string& label, std::string_view drag) {
   if (edited.text() == text()) return;
   tools::ModelReport report = checked(edited.text());
   const std::string before = text();
@@ -93,12 +93,12 @@ void ModelDocument::take_text(std::string text) {
   report_.reset();
 }
 
-bool same_physics(const tools::XmlDocument& a, const tools::XmlDocument& b) {
-  tools::XmlPart one = a.root();
-  tools::XmlPart other = b.root();
+bool same_physics(const XmlDocument& a, const XmlDocument& b) {
+  XmlPart one = a.root();
+  XmlPart other = b.root();
   strip_look(one);
   strip_look(other);
-  return tools::same_parts(one, other);
+  return same_parts(one, other);
 }
 
 }  // namespace koboshi::studio

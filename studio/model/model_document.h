@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "sim_board/description/description.h"
+#include "sim_board/description/edit/robot_text.h"
 #include "studio/document/text_document.h"
 #include "tools/robot_file/check/model_check.h"
-#include "tools/robot_file/edit/robot_text.h"
 
 namespace koboshi::studio {
 
@@ -30,20 +30,21 @@ class ModelDocument final : public TextDocument {
                                                               std::filesystem::path recovery_folder = {});
 
   const std::string& text() const override { return xml_.text(); }
-  const tools::XmlDocument& xml() const { return xml_; }
+  const XmlDocument& xml() const { return xml_; }
 
   // What the present text means, with its findings. References are valid until the next change.
   const sim_board::RobotDescription& robot() const;
   const tools::ModelReport& report() const;
-  std::vector<tools::ModelElement> elements() const { return tools::model_elements(xml_); }
+  std::vector<sim_board::ModelElement> elements() const { return sim_board::model_elements(xml_); }
   // Everything that can be edited in the element with this name; empty: there is none.
-  std::vector<tools::ModelField> fields(const std::string& element) const;
+  std::vector<sim_board::ModelField> fields(const std::string& element) const;
 
   // Name of the child of <model> in which a line of the text is; empty: none.
   std::string element_at(int line) const;
 
   // Sets a value, found by its path or key, to what the user has typed; empty removes an optional value.
-  void set(const std::string& path, const std::string& typed, tools::Sides sides, std::string_view drag = {});
+  void set(const std::string& path, const std::string& typed, sim_board::Sides sides,
+           std::string_view drag = {});
   // Replaces the whole text.
   void replace_text(const std::string& text);
 
@@ -55,18 +56,18 @@ class ModelDocument final : public TextDocument {
   ModelDocument(const std::filesystem::path& file, ReadFile read, std::filesystem::path recovery_folder);
 
   tools::ModelReport checked(const std::string& text) const;
-  void take(tools::XmlDocument edited, const std::string& label, std::string_view drag);
+  void take(XmlDocument edited, const std::string& label, std::string_view drag);
   void check(const std::string& text) const override { static_cast<void>(checked(text)); }
   void take_text(std::string text) override;
   void match_file() override { autosave_.match_file(file()); }
 
-  tools::XmlDocument xml_;
+  XmlDocument xml_;
   mutable tools::ModelChecker checker_;  // keeps the meshes that it has read
   mutable std::optional<tools::ModelReport> report_;
   Autosave autosave_;
 };
 
 // Whether two texts describe the same robot but for its visuals, so that the same simulation follows.
-[[nodiscard]] bool same_physics(const tools::XmlDocument& a, const tools::XmlDocument& b);
+[[nodiscard]] bool same_physics(const XmlDocument& a, const XmlDocument& b);
 
 }  // namespace koboshi::studio

@@ -142,9 +142,9 @@ bool ModelPanel::attempt(const std::function<void()>& edit) {
 
 bool ModelPanel::set(const QString& path, const QString& typed) {
   return attempt([&] {
-    const tools::ModelField field = tools::find_field(document_->xml(), path.toStdString());
-    const bool both = both_sides_->isChecked() && tools::has_other_side(document_->xml(), field);
-    document_->set(field.key(), typed.toStdString(), both ? tools::Sides::kBoth : tools::Sides::kOne);
+    const sim_board::ModelField field = sim_board::find_field(document_->xml(), path.toStdString());
+    const bool both = both_sides_->isChecked() && sim_board::has_other_side(document_->xml(), field);
+    document_->set(field.key(), typed.toStdString(), both ? sim_board::Sides::kBoth : sim_board::Sides::kOne);
   });
 }
 

@@ -92,7 +92,7 @@ class ModelPanel final : public QWidget {
   void offer_recovery();
 
   std::unique_ptr<ModelDocument> document_;
-  std::optional<tools::XmlDocument> running_;
+  std::optional<XmlDocument> running_;
   QToolBar* tools_;
   QCheckBox* both_sides_;
   OfferBar* offer_;

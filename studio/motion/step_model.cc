@@ -329,7 +329,7 @@ void StepModel::apply(MotionDocument& document, const std::vector<std::size_t>& 
   if (column != kStep) return;
   const std::string text = value.toString().toStdString();
   const StepValue present = step_value(first);
-  document.set_value(rows.front(), tools::YamlPath(present.key.c_str()),
+  document.set_value(rows.front(), YamlPath(present.key.c_str()),
                      present.is_flow || text.starts_with('{') || is_plain(text) ? text : yaml_scalar(text));
 }
 

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 ParameterDocument::Opened ParameterDocument::open(const fs::path& file) {
   ReadFile read = read_file_with_state(file);
-  tools::YamlDocument yaml(file, read.text);
+  YamlDocument yaml(file, read.text);
   static_cast<void>(yaml.places());  // refuses what cannot be edited
   return {std::move(read), std::move(yaml)};
 }
@@ -36,7 +36,7 @@ ParameterDocument::ParameterDocument(fs::path path, Opened opened)
     throw InputError(file(), 0, "neither parameters nor period_s", "parameters of a robot, or a gait");
 }
 
-std::optional<double> ParameterDocument::value_in(const tools::YamlDocument& yaml, std::size_t index) const {
+std::optional<double> ParameterDocument::value_in(const YamlDocument& yaml, std::size_t index) const {
   const ParameterInfo& info = table_[index];
   const YamlNode* node = find_node(yaml.tree(), info.path);
   return node != nullptr ? parse_number(node->scalar) : info.fallback;
@@ -64,7 +64,7 @@ std::vector<std::size_t> ParameterDocument::changed() const {
 // --- Edits
 
 void ParameterDocument::check(const std::string& text) const {
-  static_cast<void>(tools::YamlDocument(file(), text).places());  // refuses what cannot be edited
+  static_cast<void>(YamlDocument(file(), text).places());  // refuses what cannot be edited
 }
 
 std::string ParameterDocument::checked_text(std::size_t index, double value) const {
@@ -76,13 +76,13 @@ std::string ParameterDocument::checked_text(std::size_t index, double value) con
   return info.text(value);
 }
 
-void ParameterDocument::set_in(tools::YamlDocument& yaml, const ParameterValue& value) const {
+void ParameterDocument::set_in(YamlDocument& yaml, const ParameterValue& value) const {
   const ParameterInfo& info = table_[value.index];
   const std::string text = checked_text(value.index, value.value);
   std::vector<std::string> steps = info.path.steps();
   const std::string key = steps.back();
   steps.pop_back();
-  const tools::YamlPath map(steps);
+  const YamlPath map(steps);
   if (find_node(yaml.tree(), map) == nullptr) return yaml.set(map, "{" + key + ": " + text + "}");
   yaml.set(info.path, text);
 }
@@ -90,13 +90,13 @@ void ParameterDocument::set_in(tools::YamlDocument& yaml, const ParameterValue& 
 void ParameterDocument::set(std::size_t index, double value, std::string_view drag) {
   const auto present = this->value(index);
   const ParameterInfo& info = table_[index];
-  tools::YamlDocument edited = yaml_;
+  YamlDocument edited = yaml_;
   if (!present || info.steps(*present) != info.steps(value)) set_in(edited, {index, value});
   replace(edited.text(), "Change " + info.key, drag);
 }
 
 void ParameterDocument::set_all(std::span<const ParameterValue> values, std::string_view label) {
-  tools::YamlDocument edited = yaml_;
+  YamlDocument edited = yaml_;
   for (const ParameterValue& value : values) set_in(edited, value);
   replace(edited.text(), label);
 }
@@ -104,7 +104,7 @@ void ParameterDocument::set_all(std::span<const ParameterValue> values, std::str
 void ParameterDocument::reset_to_file(std::size_t index) {
   const YamlNode* before = find_node(saved_.tree(), table_[index].path);
   if (before == nullptr) return reset_to_default(index);
-  tools::YamlDocument edited = yaml_;
+  YamlDocument edited = yaml_;
   edited.set(table_[index].path, before->scalar);
   replace(edited.text(), "Reset " + table_[index].key);
 }
@@ -114,7 +114,7 @@ void ParameterDocument::reset_to_default(std::size_t index) {
   if (is_gait_ && !info.fallback)
     throw InputError(file(), 0, "no value of " + info.key, "one: it has no default");
   if (!is_given(index)) return;
-  tools::YamlDocument edited = yaml_;
+  YamlDocument edited = yaml_;
   edited.erase(info.path);
   replace(edited.text(), "Default of " + info.key);
 }

@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "base/edit/yaml_document.h"
 #include "sim_board/description/description.h"
 #include "simulation/model/robot_model.h"
 #include "simulation/scenario/scenario.h"
 #include "studio/document/text_document.h"
 #include "studio/parameters/parameter_table.h"
-#include "tools/edit/yaml_document.h"
 
 namespace koboshi::studio {
 
@@ -74,7 +74,7 @@ class ParameterDocument final : public TextDocument {
  private:
   struct Opened {
     ReadFile read;
-    tools::YamlDocument yaml;
+    YamlDocument yaml;
   };
   ParameterDocument(std::filesystem::path path, Opened opened);
   static Opened open(const std::filesystem::path& file);
@@ -82,12 +82,12 @@ class ParameterDocument final : public TextDocument {
   void check(const std::string& text) const override;
   void take_text(std::string text) override { yaml_.replace_text(std::move(text)); }
   void match_file() override { saved_ = yaml_; }
-  std::optional<double> value_in(const tools::YamlDocument& yaml, std::size_t index) const;
+  std::optional<double> value_in(const YamlDocument& yaml, std::size_t index) const;
   std::string checked_text(std::size_t index, double value) const;
-  void set_in(tools::YamlDocument& yaml, const ParameterValue& value) const;
+  void set_in(YamlDocument& yaml, const ParameterValue& value) const;
 
-  tools::YamlDocument yaml_;
-  tools::YamlDocument saved_;  // the file, as it was read or saved last
+  YamlDocument yaml_;
+  YamlDocument saved_;  // the file, as it was read or saved last
   bool is_gait_ = false;
   ParameterTable table_;
 };

@@ -27,7 +27,7 @@ std::string lower_case(std::string_view text) {
 ParameterInfo info_of(const simulation::Parameter& parameter) {
   const canopen::ObjectText& text = parameter.object->text;
   return {.key = parameter.key,
-          .path = tools::YamlPath(std::vector<std::string>{"parameters", parameter.key}),
+          .path = YamlPath(std::vector<std::string>{"parameters", parameter.key}),
           .group = std::string(parameter.heading != nullptr ? parameter.heading->text.name : text.name),
           .unit = std::string(text.unit.name),
           .meaning = std::string(text.comment),
@@ -75,7 +75,7 @@ std::vector<ParameterInfo> make_gait_table() {
   for (const simulation::GaitKey& key : simulation::gait_keys()) {
     const simulation::Parameter* object = object_of(key);
     table.push_back({.key = std::string(key.key),
-                     .path = tools::YamlPath(key.key),
+                     .path = YamlPath(key.key),
                      .group = object != nullptr ? "Gyro feedback of the gait" : "Gait",
                      .unit = std::string(key.unit),
                      .meaning = std::string(key.meaning),

@@ -7,19 +7,19 @@
 #include <string>
 #include <string_view>
 
+#include "base/edit/yaml_document.h"
 #include "simulation/assembly/controller_parameters.h"
-#include "tools/edit/yaml_document.h"
 
 namespace koboshi::studio {
 
 // A number that a user tunes: a parameter of the controller, or a number of a gait file.
 struct ParameterInfo {
-  std::string key;       // as files name it: step_time_ms, feedback.knee_s
-  tools::YamlPath path;  // in its file: parameters.step_time_ms
-  std::string group;     // heading above it
-  std::string unit;      // empty: without one
-  std::string meaning;   // one sentence; may be empty
-  std::string effect;    // when a change takes effect: "at once", "at the next walk"
+  std::string key;      // as files name it: step_time_ms, feedback.knee_s
+  YamlPath path;        // in its file: parameters.step_time_ms
+  std::string group;    // heading above it
+  std::string unit;     // empty: without one
+  std::string meaning;  // one sentence; may be empty
+  std::string effect;   // when a change takes effect: "at once", "at the next walk"
   double low = 0.0;
   double high = 0.0;
   // Values are whole multiples of 1 / steps_per_unit: what the controller distinguishes, or for a gait a

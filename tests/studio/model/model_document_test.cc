@@ -31,7 +31,7 @@ class ModelDocumentTest : public testing::Test {
 
   std::unique_ptr<ModelDocument> open() { return std::make_unique<ModelDocument>(file_, recovery_); }
   static std::string value(const ModelDocument& document, const std::string& path) {
-    return tools::find_field(document.xml(), path).value.value_or("none");
+    return sim_board::find_field(document.xml(), path).value.value_or("none");
   }
 
   test::TemporaryFolder folder_;
@@ -43,8 +43,8 @@ class ModelDocumentTest : public testing::Test {
 TEST_F(ModelDocumentTest, EditsUndoesRedoesAndSaves) {
   const auto document = open();
   const auto revision = document->revision();
-  document->set("left_shank.mass", "60 g", tools::Sides::kBoth);
-  document->set("left_knee.axis", "0 0.99996 0.0087265", tools::Sides::kOne);
+  document->set("left_shank.mass", "60 g", sim_board::Sides::kBoth);
+  document->set("left_knee.axis", "0 0.99996 0.0087265", sim_board::Sides::kOne);
   EXPECT_GT(document->revision(), revision);
   EXPECT_EQ(value(*document, "right_shank.mass"), "0.06");
   EXPECT_NEAR(document->robot().total_mass_kg(), 1.2, 0.1);
@@ -67,8 +67,8 @@ TEST_F(ModelDocumentTest, EditsUndoesRedoesAndSaves) {
 TEST_F(ModelDocumentTest, RefusesEditsAfterWhichTheRobotDoesNotLoad) {
   const auto document = open();
   for (const char* typed : {"-1", "x", "60 mm", ""})
-    EXPECT_THROW(document->set("left_shank.mass", typed, tools::Sides::kOne), InputError) << typed;
-  EXPECT_THROW(document->set("left_knee.axis", "1 1 0", tools::Sides::kOne), InputError);
+    EXPECT_THROW(document->set("left_shank.mass", typed, sim_board::Sides::kOne), InputError) << typed;
+  EXPECT_THROW(document->set("left_knee.axis", "1 1 0", sim_board::Sides::kOne), InputError);
   EXPECT_THROW(document->replace_text("<sdf/>"), InputError);
   EXPECT_EQ(document->text(), first_);
   EXPECT_FALSE(document->is_modified());
@@ -78,7 +78,7 @@ TEST_F(ModelDocumentTest, RefusesEditsAfterWhichTheRobotDoesNotLoad) {
 TEST_F(ModelDocumentTest, MergesTheEditsOfADrag) {
   const auto document = open();
   for (const char* mass : {"51 g", "52 g", "53 g"})
-    document->set("left_shank.mass", mass, tools::Sides::kOne, "mass");
+    document->set("left_shank.mass", mass, sim_board::Sides::kOne, "mass");
   EXPECT_EQ(document->history().undo_count(), 1U);
   ASSERT_TRUE(document->undo());
   EXPECT_EQ(document->text(), first_);
@@ -87,7 +87,7 @@ TEST_F(ModelDocumentTest, MergesTheEditsOfADrag) {
 TEST_F(ModelDocumentTest, FindsTheFindingsOfTheText) {
   const auto document = open();
   EXPECT_TRUE(document->report().findings.empty());
-  document->set("left_shank.mass", "0.06", tools::Sides::kOne);
+  document->set("left_shank.mass", "0.06", sim_board::Sides::kOne);
   ASSERT_FALSE(document->report().findings.empty());
   const tools::ModelFinding& finding = document->report().findings.front();
   EXPECT_EQ(finding.code, "R003");
@@ -98,17 +98,17 @@ TEST_F(ModelDocumentTest, FindsTheFindingsOfTheText) {
 
 TEST_F(ModelDocumentTest, TellsWhatTheSimulationDoesNotRead) {
   const auto document = open();
-  const tools::XmlDocument before = document->xml();
-  document->set("head.helmet.zoom", "0.001 0.001 0.0012", tools::Sides::kOne);
+  const XmlDocument before = document->xml();
+  document->set("head.helmet.zoom", "0.001 0.001 0.0012", sim_board::Sides::kOne);
   EXPECT_TRUE(same_physics(before, document->xml()));
-  document->set("left_foot.friction", "0.5", tools::Sides::kOne);
+  document->set("left_foot.friction", "0.5", sim_board::Sides::kOne);
   EXPECT_FALSE(same_physics(before, document->xml()));
 }
 
 TEST_F(ModelDocumentTest, RecoversTheTextOfACrash) {
   auto document = open();
   EXPECT_FALSE(document->autosave(1));
-  document->set("left_shank.mass", "0.06", tools::Sides::kOne);
+  document->set("left_shank.mass", "0.06", sim_board::Sides::kOne);
   const std::string edited = document->text();
   EXPECT_TRUE(document->autosave(2));
   EXPECT_FALSE(document->autosave(3));
@@ -150,7 +150,7 @@ TEST_F(ModelDocumentTest, CopiesOfTheFileLoadBeforeTheyAreSaved) {
   const auto document = open();
   RobotCopies copies(file_, recovery_.parent_path());
   const fs::path unchanged = copies.write(first_);
-  document->set("left_shank.mass", "0.06", tools::Sides::kOne);
+  document->set("left_shank.mass", "0.06", sim_board::Sides::kOne);
   const fs::path changed = copies.write(document->text());
   EXPECT_NE(unchanged, changed);
   EXPECT_NEAR(
@@ -160,7 +160,7 @@ TEST_F(ModelDocumentTest, CopiesOfTheFileLoadBeforeTheyAreSaved) {
 }
 
 // A value near the present one; the robot may refuse it.
-std::string nearby(const tools::ModelField& field, std::mt19937& random) {
+std::string nearby(const sim_board::ModelField& field, std::mt19937& random) {
   if (field.numbers() == 0) return *field.value;
   constexpr double kFactors[] = {0.5, 0.9, 0.99, 1.01, 1.1, 2.0, -1.0};
   std::istringstream words(*field.value);
@@ -178,8 +178,8 @@ TEST_F(ModelDocumentTest, ReturnsToTheFirstByteAfterRandomEdits) {
   const int edits = wanted != nullptr ? std::atoi(wanted) : 30;
   const auto document = open();
   std::map<std::string, std::vector<std::string>> keys;  // by element
-  for (const tools::ModelElement& element : document->elements())
-    for (const tools::ModelField& field : document->fields(element.name))
+  for (const sim_board::ModelElement& element : document->elements())
+    for (const sim_board::ModelField& field : document->fields(element.name))
       if (field.value) keys[element.name].push_back(field.key());
   std::vector<std::string> elements;
   for (const auto& [name, fields] : keys) elements.push_back(name);
@@ -191,10 +191,11 @@ TEST_F(ModelDocumentTest, ReturnsToTheFirstByteAfterRandomEdits) {
     if (kind == 1) document->redo();
     if (kind < 2) continue;
     const auto& fields = keys[elements[random() % elements.size()]];
-    const tools::ModelField field = tools::find_field(document->xml(), fields[random() % fields.size()]);
+    const sim_board::ModelField field =
+        sim_board::find_field(document->xml(), fields[random() % fields.size()]);
     const auto revision = document->revision();
     try {
-      const auto sides = random() % 3 == 0 ? tools::Sides::kBoth : tools::Sides::kOne;
+      const auto sides = random() % 3 == 0 ? sim_board::Sides::kBoth : sim_board::Sides::kOne;
       document->set(field.key(), nearby(field, random), sides);
       done += document->revision() != revision ? 1 : 0;
     } catch (const InputError&) {

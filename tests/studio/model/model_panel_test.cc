@@ -232,7 +232,7 @@ class ModelPanelTest final : public QObject {
         panel_->redo();
       } else {
         const QString& path = paths[static_cast<int>(random() % static_cast<unsigned>(paths.size()))];
-        const auto field = tools::find_field(panel_->document()->xml(), path.toStdString());
+        const auto field = sim_board::find_field(panel_->document()->xml(), path.toStdString());
         QStringList numbers;
         for (std::size_t n = 0; n < field.numbers(); ++n)
           numbers << QString::number(0.001 * static_cast<double>(random() % 2000));

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/edit/yaml_document.h"
+#include "base/edit/yaml_places.h"
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "base/yaml/yaml_tree.h"
-#include "tools/edit/yaml_document.h"
-#include "tools/edit/yaml_places.h"
 
 namespace koboshi::tools {
 namespace {

@@ -5,11 +5,11 @@
 #include <cctype>
 #include <vector>
 
+#include "base/edit/yaml_places.h"
 #include "base/text/text.h"
 #include "base/yaml/yaml_tree.h"
 #include "simulation/motion_language/parse/expression.h"
 #include "simulation/motion_language/parse/sensors.h"
-#include "tools/edit/yaml_places.h"
 
 namespace koboshi::tools {
 namespace {

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "base/edit/xml_document.h"
 #include "base/xml/xml_check.h"
 #include "base/xml/xml_draft.h"
 #include "sim_board/description/robot_faults.h"
 #include "sim_board/description/schema/sdf_schema.h"
 #include "tests/unit/tools/robot_file/planted_robot.h"
-#include "tools/edit/xml_document.h"
 
 namespace koboshi::tools {
 namespace {
