@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,13 +46,13 @@ struct Ankle {
   Vector3d p_BAnkle;
 };
 
-Ankle find_ankle(const RobotDescription& robot, const std::string& side) {
+std::optional<Ankle> find_ankle(const RobotDescription& robot, const std::string& side) {
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     if (robot.joints[i].name != side + "_ankle_roll") continue;
-    return {robot.joints[i].name, static_cast<int>(i),
-            robot.links.at(0).X_ML.inverse() * robot.joints[i].p_MJ};
+    return Ankle{robot.joints[i].name, static_cast<int>(i),
+                 robot.links.at(0).X_ML.inverse() * robot.joints[i].p_MJ};
   }
-  throw InputError(robot.file, robot.line, "no joint " + side + "_ankle_roll", "two legs");
+  return std::nullopt;
 }
 
 void set_sole(const RobotDescription& robot, const Ankle& ankle, robot::Foot& foot) {
@@ -128,9 +129,10 @@ void set_feet(const RobotDescription& robot, robot::RobotModel& model, std::vect
   const auto set_foot = [&](const char* side, const sim_board::AnkleSensorDescription& sensor,
                             robot::Foot& foot) {
     collect_error(errors, [&] {
-      const Ankle ankle = find_ankle(robot, side);
-      set_sole(robot, ankle, foot);
-      set_sensor(robot, ankle, sensor, foot);
+      const auto ankle = find_ankle(robot, side);
+      if (!ankle) return;  // find_leg_faults() says so
+      set_sole(robot, *ankle, foot);
+      set_sensor(robot, *ankle, sensor, foot);
     });
   };
   set_foot("left", *robot.left_ankle, model.feet[0]);

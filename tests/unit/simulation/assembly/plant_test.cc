@@ -22,7 +22,7 @@ Scenario with(const std::vector<Override>& plant) { return read_scenario(kSquat,
 TEST(Plant, ChangesTheRobotInTheWorldAndNotTheModel) {
   const Simulation as_modelled(with({}));
   const Simulation changed(with({{"plant.left_shank.mass", "80 g"},
-                                 {"plant", "{left_knee.position: 0 0 -66 mm, trunk: {com: 0 0 10 mm}}"},
+                                 {"plant", "{left_shank.position: 0 0 -66 mm, trunk: {com: 0 0 10 mm}}"},
                                  text_override("plant.left_shank.mass", "80 g", "--plant")}));
   EXPECT_EQ(changed.model().image, as_modelled.model().image);
   const auto& links = changed.robot().links;

@@ -178,7 +178,7 @@ TEST_F(RobotModelImageTest, RejectsRobotsThatItCannotExpress) {
   EXPECT_THAT(refusal([](auto& r) { r.joints[3].axis_M = Eigen::Vector3d::UnitZ(); }),
               HasSubstr("no mirror images"));
   EXPECT_THAT(refusal([](auto& r) { r.joints[3].name = "knie"; }),
-              HasSubstr("a leg without one of its six joints"));
+              HasSubstr("no joint left_knee, expected a leg of six joints"));
   EXPECT_THAT(refusal([](auto& r) {
                 for (auto& link : r.links) link.collisions.clear();
               }),
