@@ -53,6 +53,7 @@ StorageState FakeStorage::state() const {
 }
 
 void FakeStorage::begin(std::size_t offset, std::vector<std::byte> result) {
+  if (std::exchange(corrupt_next_, false)) result.back() ^= std::byte{1};
   for (std::size_t i = 0; i < result.size(); ++i) bytes_[offset + i] ^= kScramble;
   operation_ = Operation{offset, std::move(result), polls_, std::exchange(fail_next_, false)};
   failed_ = false;

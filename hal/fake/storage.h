@@ -26,6 +26,9 @@ class FakeStorage final : public StoragePort {
   void finish();
   // Makes the next operation end in kFailed with its range scrambled.
   void fail_next() { fail_next_ = true; }
+  // Lets the next operation complete with its last bit wrong, without a word about it: a cell that does not
+  // keep its charge.
+  void corrupt_next() { corrupt_next_ = true; }
   // Simulates a power failure: an operation in progress is aborted with its range scrambled, and the state is
   // idle.
   void lose_power();
@@ -54,6 +57,7 @@ class FakeStorage final : public StoragePort {
   std::size_t sector_size_bytes_;
   std::optional<int> polls_ = 0;
   bool fail_next_ = false;
+  bool corrupt_next_ = false;
   // Mutable, because polling the const function `state` advances the operation.
   mutable std::vector<std::byte> bytes_;
   mutable std::optional<Operation> operation_;

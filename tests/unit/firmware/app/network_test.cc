@@ -132,6 +132,47 @@ TEST_F(ControllerNetwork, AResetOfTheNodeClearsCommands) {
   EXPECT_EQ(bench.values().velocity.forward_mm_per_s, 0);
 }
 
+TEST_F(ControllerNetwork, AResetOfTheNodeClearsTheInputsOfMotions) {
+  ASSERT_TRUE(lead_to(State::kLimp));
+  ASSERT_EQ(pc.write({kMotionInputObject, 1}, 123, 2), AbortCode::kNone);
+  order(NmtCommand::kResetCommunication);
+  EXPECT_EQ(bench.values().motion.inputs[0], 123);
+  order(NmtCommand::kResetNode);
+  EXPECT_EQ(bench.values().motion.inputs[0], 0);
+}
+
+// --- A second master
+
+TEST_F(ControllerNetwork, ToleratesSingleFramesOfAnotherMaster) {
+  ASSERT_TRUE(lead_to(State::kStanding));
+  const hal::CanFrame sync{.identifier = kSync, .size = 0};
+  // A frame in every third cycle, as somebody sends them by hand.
+  for (int i = 0; i < 40; ++i) {
+    bench.board.can.deliver(sync);
+    bench.run_ms(30);
+  }
+  EXPECT_EQ(bench.now().state, State::kStanding);
+  // In four cycles in a row, and then no more.
+  for (int i = 0; i < 4; ++i) {
+    bench.board.can.deliver(sync);
+    bench.run_ms(10);
+  }
+  bench.run_ms(100);
+  EXPECT_EQ(bench.now().state, State::kStanding);
+}
+
+TEST_F(ControllerNetwork, GivesWayToASecondMaster) {
+  ASSERT_TRUE(lead_to(State::kStanding));
+  int cycles = 0;
+  for (; cycles < 10 && bench.now().state == State::kStanding; ++cycles) {
+    bench.board.can.deliver({.identifier = kSync, .size = 0});
+    bench.run_ms(10);
+  }
+  EXPECT_EQ(cycles, 5);
+  EXPECT_EQ(bench.now().state, State::kFault);
+  EXPECT_EQ(bench.now().reason, Reason::kSecondMaster);
+}
+
 // --- Object 0x1F80
 
 TEST_F(ControllerNetwork, StartupObjectDescribesASelfStartingMaster) {

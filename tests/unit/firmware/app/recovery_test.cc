@@ -24,24 +24,34 @@ TEST_F(RecoveryTest, LandsInThePoseOfItsDirectionAndGoesLimp) {
   EXPECT_EQ(bench.values().diagnosis.falls, 1);
 }
 
-// Only the deviation from a declared lean counts as a fall, if the parameters allow the declaration.
+// Only the deviation from a declared lean counts as a fall, if the parameters allow the declaration. A lean
+// to the other side makes it worse.
 TEST_F(RecoveryTest, MeasuresAFallFromTheDeclaredLean) {
   constexpr std::int16_t kTwentyDegrees = 3'641;
-  give(Role::kRollLeft, {motion::LeanDeclaration{kTwentyDegrees, 0}.step(),
-                         {Opcode::kWait, 0, 300'000},
-                         {Opcode::kWait, 0, 5'000'000}});
-  for (const std::int16_t bound : {std::int16_t{0}, kTwentyDegrees}) {
-    ASSERT_EQ(pc.write({0x2140, 7}, bound, 2), canopen::AbortCode::kNone);
+  const struct {
+    motion::LeanDeclaration declared;
+    double roll_deg, pitch_deg;  // where the trunk goes
+    std::int16_t bound;
+    bool falls;
+  } kCases[] = {
+      {{.pitch = kTwentyDegrees, .roll = 0}, 0, 32, 0, true},
+      {{.pitch = kTwentyDegrees, .roll = 0}, 0, 32, kTwentyDegrees, false},
+      {{.pitch = kTwentyDegrees, .roll = 0}, 0, 45, kTwentyDegrees, true},
+      {{.pitch = 0, .roll = kTwentyDegrees}, 30, 0, 0, true},
+      {{.pitch = 0, .roll = kTwentyDegrees}, 30, 0, kTwentyDegrees, false},
+      {{.pitch = 0, .roll = -kTwentyDegrees}, -30, 0, kTwentyDegrees, false},
+      {{.pitch = 0, .roll = -kTwentyDegrees}, 30, 0, kTwentyDegrees, true},
+  };
+  for (const auto& one : kCases) {
+    SCOPED_TRACE(testing::Message() << one.declared.roll << " to " << one.roll_deg << ", " << one.pitch_deg);
+    give(Role::kRollLeft, {one.declared.step(), {Opcode::kWait, 0, 300'000}, {Opcode::kWait, 0, 5'000'000}});
+    ASSERT_EQ(pc.write({0x2140, 7}, one.bound, 2), canopen::AbortCode::kNone);
     stand();
     bench.command(Command::kPlay, number_of(Role::kRollLeft));
     ASSERT_EQ(bench.now().refusal, Reason::kNone);
     bench.run_ms(600);
-    turn_to(0, 32, 400);
-    EXPECT_EQ(bench.now().state, bound == 0 ? State::kFalling : State::kMotion);
-    if (bound != 0) {
-      turn_to(0, 45, 200);
-      expect_state(State::kFalling, Reason::kFallPredicted);
-    }
+    turn_to(one.roll_deg, one.pitch_deg, 400);
+    EXPECT_EQ(bench.now().state, one.falls ? State::kFalling : State::kMotion);
     bench.command(Command::kLimp);
     turn_to(0, 0);
     bench.run_ms(500);

@@ -148,6 +148,49 @@ TEST_F(StoredParametersTest, KeepsEveryKindOfCommunicationParameter) {
   }
 }
 
+// Each direction of PDOs by itself, communication and mapping.
+TEST_F(StoredParametersTest, KeepsThePdosOfEachDirection) {
+  const auto objects = [](std::uint16_t communication, std::uint16_t mapping) {
+    return std::vector<ObjectAddress>{{communication, 1}, {communication, 2}, {mapping, 0}, {mapping, 1}};
+  };
+  const auto values = [&](const std::vector<ObjectAddress>& addresses) {
+    std::vector<std::uint32_t> read;
+    for (const ObjectAddress& address : addresses)
+      read.push_back(device->read(address.index, address.subindex));
+    return read;
+  };
+  const auto receive = objects(0x1400, 0x1600);
+  const auto transmit = objects(0x1800, 0x1A00);
+  const auto default_receive = values(receive);
+  const auto default_transmit = values(transmit);
+  const auto change = [&](std::uint16_t communication, std::uint16_t mapping, std::uint8_t type,
+                          std::uint32_t object, std::uint32_t cob_id) {
+    for (const auto& [address, value] :
+         std::vector<std::pair<ObjectAddress, std::uint32_t>>{{{communication, 1}, cob_id | 0x8000'0000},
+                                                              {{communication, 2}, type},
+                                                              {{mapping, 0}, 0},
+                                                              {{mapping, 1}, object},
+                                                              {{mapping, 2}, object},
+                                                              {{mapping, 0}, 2},
+                                                              {{communication, 1}, cob_id}})
+      ASSERT_EQ(device->write(address, value, 0), AbortCode::kNone) << std::hex << address.index;
+  };
+  change(0x1400, 0x1600, 1, 0x6040'0010, 0x255);
+  const auto changed_receive = values(receive);
+  ASSERT_NE(changed_receive, default_receive);
+  ASSERT_EQ(device->save(2), AbortCode::kNone);
+  restart();
+  EXPECT_EQ(values(receive), changed_receive);
+  EXPECT_EQ(values(transmit), default_transmit);
+  change(0x1800, 0x1A00, 254, 0x6064'0020, 0x4000'01D5);
+  const auto changed_transmit = values(transmit);
+  ASSERT_NE(changed_transmit, default_transmit);
+  ASSERT_EQ(device->save(2), AbortCode::kNone);
+  restart();
+  EXPECT_EQ(values(receive), changed_receive);
+  EXPECT_EQ(values(transmit), changed_transmit);
+}
+
 // An identifier in use changes only by way of a value that ends the use; two PDOs or two consumers exchange
 // theirs only while both are off. Each of these sequences is possible, and so is its end state after a reset.
 TEST_F(StoredParametersTest, KeepsParametersThatDependOnEachOther) {

@@ -67,6 +67,18 @@ class MixerTest : public testing::Test {
   Mixer mixer_;
 };
 
+TEST_F(MixerTest, MeasuresRollAndPitchFromTheDeclaredLean) {
+  lean_to(5, 10);
+  const Lean lean{.roll = degrees(4), .pitch = degrees(-3)};
+  for (const auto& [source, expected_deg] : {std::pair{MixSource::kRoll, 6.0}, {MixSource::kPitch, 8.0}}) {
+    mixer_.reset();
+    ASSERT_TRUE(mixer_.set({.source = source, .joint = 3, .gain = 4096, .limit = Mix::kMaxLimit}));
+    std::array<fixed::Angle, kJoints> targets = base_;
+    mixer_.add_to(targets, model_, state_, lean);
+    EXPECT_NEAR(fixed::to_double(targets[3] - base_[3]) / test::kRadPerDegree, expected_deg, 0.01);
+  }
+}
+
 TEST_F(MixerTest, AddsANewCorrectionToOneThatFades) {
   lean_to(6);
   ASSERT_TRUE(mixer_.set(of_pitch(kKnee)));

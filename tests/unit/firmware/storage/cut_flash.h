@@ -8,6 +8,7 @@
 #include <optional>
 #include <random>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "hal/port/storage.h"
@@ -38,6 +39,8 @@ class CutFlash final : public hal::StoragePort {
   }
   // The next operation ends in kFailed.
   void fail_next() { fails_ = true; }
+  // The next write ends with a bit wrong, without a word about it.
+  void corrupt_next() { corrupts_ = true; }
   void load(std::size_t offset, std::span<const std::byte> bytes) {
     std::ranges::copy(bytes, bytes_.begin() + static_cast<std::ptrdiff_t>(offset));
     for (std::size_t i = 0; i < bytes.size(); ++i) written_[(offset + i) / kWriteUnit_bytes] = true;
@@ -72,6 +75,8 @@ class CutFlash final : public hal::StoragePort {
       written_[unit] = true;
       ++words;
     }
+    if (std::exchange(corrupts_, false))
+      *at(offset + random_() % bytes.size()) ^= static_cast<std::byte>(1u << random_() % 8);
     return true;
   }
   [[nodiscard]] hal::StorageState state() const override { return off_ ? hal::StorageState::kBusy : state_; }
@@ -109,6 +114,7 @@ class CutFlash final : public hal::StoragePort {
   std::uint_fast32_t kind_ = 0;
   bool off_ = false;
   bool fails_ = false;
+  bool corrupts_ = false;
   hal::StorageState state_ = hal::StorageState::kIdle;
 
  public:

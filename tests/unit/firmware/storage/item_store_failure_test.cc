@@ -122,6 +122,25 @@ TEST(ItemStoreDamage, WorksAroundFlashThatFails) {
   }
 }
 
+// Flash may keep another bit than the one that was written and report success. Every write is read back.
+TEST(ItemStoreDamage, NoticesFlashThatIsWrongWithoutAWord) {
+  Log log(24 * 1024, kSectorSize);
+  for (std::uint16_t i = 0; i < 20; ++i) ASSERT_EQ(log.write(i, pattern(500, i)), Status::kOk);
+  int noticed = 0;
+  for (unsigned i = 0; i < 300; ++i) {
+    if (i % 5 == 0) log.flash.corrupt_next();
+    const auto number = static_cast<std::uint16_t>(i % 20);
+    if (log.write(number, pattern(500, i)) == Status::kFailed) {
+      ++noticed;
+      ASSERT_EQ(log.write(number, pattern(500, i)), Status::kOk) << i;
+    }
+    ASSERT_TRUE(log.is_as_expected()) << i;
+    if (i % 50 == 0) log.restart();
+    ASSERT_TRUE(log.is_as_expected()) << i;
+  }
+  EXPECT_GT(noticed, 40);
+}
+
 TEST(ItemStoreDamage, AFailureWhileCompactingIsReportedOnce) {
   Log log(24 * 1024, kSectorSize);
   for (std::uint16_t i = 0; i < 20; ++i) ASSERT_EQ(log.write(i, pattern(500, i)), Status::kOk);

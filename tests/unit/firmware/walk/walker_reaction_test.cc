@@ -71,6 +71,18 @@ TEST(WalkerCapture, MovesTheFootholdForwardTowardsALean) {
   }
 }
 
+TEST(WalkerCapture, StepsNoFurtherForwardOrBackwardThanAllowed) {
+  WalkParameters parameters = capturing(500, 0);
+  parameters.step.max_forward = 100;  // 10 mm, half of what the lean asks for
+  for (const double lean_rad : {0.3, -0.3}) {
+    WalkingRobot robot(parameters);
+    for (int step = 0; step < 4; ++step) ASSERT_TRUE(robot.advance_until_landing());
+    ASSERT_TRUE(robot.advance_until_landing({}, leaning(0, lean_rad)));
+    const double max_m = to_double(Gait(parameters).max_forward);
+    EXPECT_NEAR(robot.landings.back().p.x, lean_rad > 0 ? max_m : -max_m, 0.1e-3);
+  }
+}
+
 TEST(WalkerCapture, MovesTheFootholdLaterallyTowardsALean) {
   // Positive roll about the forward axis x: the robot leans to the right.
   const double shift_m = 0.5 * (kDcmBiasShare * kComHeight_m * 0.1 - 0.005);

@@ -300,6 +300,28 @@ TEST(Walker, SwingsEachArmWithTheOppositeFoot) {
   }
 }
 
+TEST(Walker, SwingsAnArmByTheSignOfItsAxis) {
+  auto parameters = rigid();
+  parameters.posture.arm_swing = 1'000;
+  WalkingRobot usual(parameters);
+  robot::RobotModel model = usual.model;
+  const std::size_t shoulder = *model.find(robot::JointRole::kLeftShoulderPitch);
+  model.joints[shoulder].axis = -model.joints[shoulder].axis;
+  Walker opposite(model);
+  opposite.start(parameters, usual.standing);
+  Angle largest;
+  for (int tick = 0; tick < 400; ++tick) {
+    usual.advance({200, 0, 0});
+    Observation seen;
+    seen.pitch = opposite.pitch();
+    opposite.advance({200, 0, 0}, seen);
+    const Angle swing = usual.walker.targets()[shoulder] - usual.standing[shoulder];
+    EXPECT_EQ(opposite.targets()[shoulder] - usual.standing[shoulder], -swing) << tick;
+    largest = std::max(largest, swing);
+  }
+  EXPECT_GT(to_double(largest), 0.01);
+}
+
 TEST(Walker, LeansFurtherAtHigherSpeed) {
   auto parameters = rigid();
   parameters.posture.trunk_pitch_by_speed = 0x1000;

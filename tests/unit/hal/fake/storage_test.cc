@@ -85,6 +85,19 @@ TEST(FakeStorage, FailsOnceOnRequest) {
   EXPECT_EQ(storage.state(), StorageState::kIdle);
 }
 
+TEST(FakeStorage, KeepsAWrongBitWithoutAWordOnRequest) {
+  FakeStorage storage;
+  const std::array wanted{std::byte{0x12}, std::byte{0x34}};
+  storage.corrupt_next();
+  ASSERT_TRUE(storage.begin_write(8, wanted));
+  EXPECT_EQ(storage.state(), StorageState::kIdle);
+  EXPECT_EQ(storage.contents()[8], std::byte{0x12});
+  EXPECT_EQ(storage.contents()[9], std::byte{0x35});
+  ASSERT_TRUE(storage.begin_write(16, wanted));
+  EXPECT_EQ(storage.state(), StorageState::kIdle);
+  EXPECT_EQ(storage.contents()[17], std::byte{0x34});
+}
+
 TEST(FakeStorage, LeavesHalfDoneWorkWhenPowerFails) {
   FakeStorage storage(1, 16);
   storage.load(0, bytes(1, 2));
