@@ -25,7 +25,8 @@ TEST(ControllerCycle, SendsTwentyRpdosThenSyncThenTelemetry) {
   std::vector<std::uint16_t> expected;
   for (std::uint16_t node = 16; node < 36; ++node)
     expected.push_back(static_cast<std::uint16_t>(0x200 + node));
-  expected.insert(expected.end(), {0x080, 0x181, 0x281, 0x381, 0x481, 0x182, 0x282, 0x382});
+  constexpr std::uint16_t kOthers[] = {0x080, 0x181, 0x281, 0x381, 0x481, 0x182, 0x282, 0x382};
+  for (const std::uint16_t other : kOthers) expected.push_back(other);
 
   ControllerBench bench;
   ASSERT_TRUE(bench.run_until_standing());
