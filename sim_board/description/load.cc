@@ -32,6 +32,14 @@ void load_joints(const XmlNode& model, const ModelFrames& frames, ServoLibraries
       [](const JointDescription& a, const JointDescription& b) { return a.drive.node_id < b.drive.node_id; });
 }
 
+XmlFile open_file(const std::filesystem::path& file, const std::string& text) {
+  try {
+    return XmlFile(file, text, sdf_rule());
+  } catch (const InputError& error) {
+    throw with_import_advice(error);
+  }
+}
+
 }  // namespace
 
 int found_link(const RobotDescription& robot, const XmlNode& node, const ModelFrames& frames) {
@@ -43,7 +51,7 @@ RobotDescription load_robot(const std::filesystem::path& file) {
 }
 
 RobotDescription load_robot(const std::filesystem::path& file, const std::string& text) {
-  const XmlFile xml(file, text, sdf_rule());
+  const XmlFile xml = open_file(file, text);
   const XmlNode model = xml.root().child("model");
   ServoLibraries libraries;
   const std::vector<RobotFault> faults = find_robot_faults(model, file.parent_path(), {}, libraries);

@@ -28,6 +28,7 @@ SHORTER = (
 )
 # Replacements for resources that this machine may lack.
 REPLACED = (
+    ("-o robots/kit", "-o kit/robot"),  # robots/ is that of the sources
     (" --controller qemu", ""),  # the image
     ("socketcan:vcan0", "socketcan:vcan_none"),
     ("udp:239.74.163.2:43113", "udp:239.74.163.99:43999"),  # a group without other members
@@ -52,6 +53,12 @@ def examples(texts):
     return list(found)
 
 
+URDF = """<robot name="kit">
+  <link name="body"/><link name="head"/>
+  <joint name="neck" type="revolute"><parent link="body"/><child link="head"/><axis xyz="0 0 1"/><limit lower="-1" upper="1"/></joint>
+</robot>"""
+
+
 class Help(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -61,6 +68,8 @@ class Help(unittest.TestCase):
             (cls.folder / name).symlink_to(support.ROOT / name)
         (cls.folder / "docs" / "reference").mkdir(parents=True)
         shutil.copy(support.ROOT / "docs" / "reference" / "drive.eds", cls.folder / "docs" / "reference")
+        (cls.folder / "kit").mkdir()
+        (cls.folder / "kit" / "robot.urdf").write_text(URDF)
 
     def test_knows_all_commands(self):
         self.assertGreater(len(self.texts), 30)

@@ -73,4 +73,11 @@ const XmlRule& servo_library_rule() {
   return rule;
 }
 
+InputError with_import_advice(const InputError& error) {
+  const bool is_urdf = error.found() == "<robot>";
+  if (!is_urdf && error.found() != "<mujoco>") return error;
+  return {error.file(), error.line(), is_urdf ? "a URDF" : "a MuJoCo model",
+          "a robot.sdf; make it with: koboshi model import " + error.file().string() + " -o robots/NAME"};
+}
+
 }  // namespace koboshi::sim_board

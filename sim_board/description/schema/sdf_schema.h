@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/text/error.h"
 #include "base/xml/xml_schema.h"
 
 namespace koboshi::sim_board {
@@ -15,5 +16,9 @@ inline constexpr const char* kKoboshiNamespace = "https://koboshi.invalid/sdf";
 const XmlRule& sdf_rule();
 // Rule for a library of servo types, which robot files can import (robots/servos).
 const XmlRule& servo_library_rule();
+
+// Returns an error of reading a robot's file, for the caller to throw: for a file of another format (URDF,
+// MJCF), one that says how to import it instead.
+InputError with_import_advice(const InputError& error);
 
 }  // namespace koboshi::sim_board

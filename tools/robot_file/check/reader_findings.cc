@@ -125,7 +125,7 @@ ReaderFindings find_reader_findings(const std::filesystem::path& file, const std
     is_changed = doctor.is_changed();
     if (doctor.is_sound()) result.robot = sim_board::load_robot(file, is_changed ? draft.text() : text);
   } catch (const InputError& error) {
-    result.findings.push_back(finding_of(error));
+    result.findings.push_back(finding_of(sim_board::with_import_advice(error)));
     if (is_changed) result.findings.back().line = 0;  // that of the repaired text
   }
   return result;

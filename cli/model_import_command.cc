@@ -1,0 +1,116 @@
+#include <unistd.h>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "base/file/standard_streams.h"
+#include "base/text/text.h"
+#include "cli/commands.h"
+#include "simulation/scenario/paths.h"
+#include "tools/import/pipeline/import_robot.h"
+
+namespace koboshi::tools {
+namespace {
+
+struct ModelImportArguments {
+  std::filesystem::path file;
+  std::filesystem::path output;
+  std::filesystem::path answers;
+  std::vector<std::filesystem::path> paths;
+  std::vector<std::string> servos;
+};
+
+// Splits TYPE:JOINT,JOINT into decisions.
+void add_servo(const std::string& argument, ImportDecisions& decisions) {
+  const std::size_t colon = argument.find(':');
+  if (colon == std::string::npos) {
+    decisions.answers["servo"] = argument;
+    return;
+  }
+  std::string joints = argument.substr(colon + 1);
+  for (std::size_t begin = 0; begin <= joints.size();) {
+    const std::size_t end = std::min(joints.find(',', begin), joints.size());
+    if (end > begin) decisions.servos[joints.substr(begin, end - begin)] = argument.substr(0, colon);
+    begin = end + 1;
+  }
+}
+
+std::string ask_person(const ImportQuestion& question) {
+  std::string choices;
+  if (!question.choices.empty()) choices = " (" + join_alternatives(question.choices) + ")";
+  fmt::print("{}{}\n{} [{}]: ", question.text, choices, question.name, question.preset);
+  std::cout.flush();
+  std::string line;
+  if (!std::getline(std::cin, line)) return {};
+  return std::string(trimmed_name(line));
+}
+
+ImportOptions options_of(const ModelImportArguments& arguments, const Invocation& invocation) {
+  ImportOptions options{.file = arguments.file,
+                        .paths = arguments.paths,
+                        .servo_folder = simulation::data_folder() / "robots/servos",
+                        .decisions_source = arguments.output / "import.yaml",
+                        .output = arguments.output,
+                        .command = invocation.command_line};
+  if (std::filesystem::exists(options.decisions_source))
+    options.decisions = read_decisions(options.decisions_source);
+  if (!arguments.answers.empty()) {
+    options.decisions_source = arguments.answers;
+    override_decisions(options.decisions, read_decisions(arguments.answers));
+  }
+  for (const std::string& servo : arguments.servos) add_servo(servo, options.decisions);
+  if (isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0) options.ask = ask_person;
+  return options;
+}
+
+void import_model(const ModelImportArguments& arguments, const Invocation& invocation) {
+  check_import_folder(arguments.output);
+  const ImportResult result = import_robot(options_of(arguments, invocation));
+  write_import_folder(arguments.output, result.files);
+  const ImportReport& report = result.report;
+  for (const ImportRepair& repair : report.repairs)
+    fmt::print("{}: {} -> {}, because {}\n", repair.key, repair.found, repair.is_kept ? "kept" : repair.taken,
+               repair.because);
+  for (const std::string& warning : report.warnings) print_error("warning: {}\n", warning);
+  fmt::print("{}: {}, {}, {}, {}, {}\n", (arguments.output / "robot.sdf").string(),
+             count_text(result.robot.links.size(), "link"), count_text(result.robot.joints.size(), "joint"),
+             count_text(result.questions, "answer"), count_text(report.repairs.size(), "repair"),
+             count_text(report.warnings.size(), "warning"));
+}
+
+}  // namespace
+
+void add_model_import_command(CLI::App& model, Invocation& invocation) {
+  auto arguments = std::make_shared<ModelImportArguments>();
+  CLI::App* import = model.add_subcommand("import", "Import a robot from a URDF or SDF file");
+  import->footer(
+      R"(Writes robot.sdf, meshes, the source's licence, import.yaml with every decision, and import.md, which says
+what was found, changed and asked (docs/guide/import-a-robot.md). What no file can know is asked on a terminal;
+--answers FILE or the preset answers otherwise. Edit import.yaml and repeat the command to decide otherwise.
+
+Example:
+  koboshi model import kit/robot.urdf -o robots/kit --servo ax_12
+)");
+  import->add_option("FILE", arguments->file, "URDF or SDF file of the robot")->required();
+  import->add_option("-o", arguments->output, "Folder of the robot: robots/NAME")
+      ->required()
+      ->type_name("FOLDER");
+  import->add_option("--path", arguments->paths, "Folder of packages or models in which meshes are searched")
+      ->type_name("FOLDER");
+  import
+      ->add_option("--servo", arguments->servos,
+                   "Servo type of all joints, or of some: TYPE:JOINT,JOINT\n(default: by the robot's mass)")
+      ->type_name("TYPE");
+  import
+      ->add_option("--answers", arguments->answers, "Answers to the questions, in the format of import.yaml")
+      ->type_name("FILE");
+  import->callback([arguments, &invocation] { import_model(*arguments, invocation);
+});
+}  // namespace koboshi::tools
+
+}  // namespace koboshi::tools

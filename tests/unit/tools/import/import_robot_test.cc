@@ -1,0 +1,271 @@
+#include "tools/import/pipeline/import_robot.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+#include "base/text/error.h"
+#include "sim_board/description/load.h"
+#include "simulation/model/robot_model.h"
+#include "tests/unit/tools/import/kit_robot.h"
+
+namespace koboshi::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ImportRobot : public testing::Test {
+ protected:
+  ImportRobot() {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  ~ImportRobot() override { fs::remove_all(folder_); }
+
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+  ImportResult import(const KitRobot& kit, const ImportDecisions& decisions = {}) const {
+    return import_robot({.file = write("kit.urdf", kit.text()),
+                         .servo_folder = fs::path(KOBOSHI_SOURCE_DIR) / "robots/servos",
+                         .decisions_source = "answers.yaml",
+                         .decisions = decisions,
+                         .output = folder_ / "out"});
+  }
+  // The robot as the simulation reads it, which the firmware must accept.
+  sim_board::RobotDescription load(const ImportResult& result) const {
+    write_import_folder(folder_ / "out", result.files);
+    sim_board::RobotDescription robot = sim_board::load_robot(folder_ / "out/robot.sdf");
+    for (const InputError& error : simulation::find_model_errors(robot)) ADD_FAILURE() << error.what();
+    return robot;
+  }
+  static const sim_board::JointDescription& joint(const sim_board::RobotDescription& robot,
+                                                  const std::string& name) {
+    return robot.joints.at(static_cast<std::size_t>(robot.find_joint(name).value()));
+  }
+  static bool has_line(const std::vector<std::string>& lines, const std::string& part) {
+    return std::ranges::any_of(lines,
+                               [&](const std::string& line) { return line.find(part) != std::string::npos; });
+  }
+  static const ImportRepair* find_repair(const ImportResult& result, const std::string& key) {
+    const auto found = std::ranges::find(result.report.repairs, key, &ImportRepair::key);
+    return found == result.report.repairs.end() ? nullptr : &*found;
+  }
+
+  fs::path folder_ =
+      fs::temp_directory_path() /
+      ("koboshi_import_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+};
+
+TEST_F(ImportRobot, NamesJointsByTreeAndSide) {
+  const ImportResult result = import({});
+  const sim_board::RobotDescription robot = load(result);
+  ASSERT_EQ(robot.joints.size(), 20U);
+  EXPECT_EQ(robot.joints.front().name, "left_hip_yaw");
+  EXPECT_LE(result.questions, 12U);
+  EXPECT_NE(result.files.at("import.yaml").find("left_ankle_roll: j_l6"), std::string::npos);
+  EXPECT_NE(result.files.at("import.yaml").find("right_elbow: j_rc"), std::string::npos);
+  EXPECT_NE(result.files.at("import.yaml").find("head_tilt: j_h"), std::string::npos);
+  EXPECT_NEAR(joint(robot, "left_knee").p_MJ.y(), 0.04, 1e-9);
+  EXPECT_NEAR(robot.left_ankle->height_above_sole_m, 0.04, 1e-9);
+}
+
+TEST_F(ImportRobot, RepeatsItselfFromItsDecisions) {
+  const ImportResult first = import({.arms_out_rad = 1.0, .inertia_factor = 1000.0});
+  const ImportDecisions decisions = read_decisions(write("import.yaml", first.files.at("import.yaml")));
+  const ImportResult second = import({.arms_out_rad = 1.0, .inertia_factor = 1000.0}, decisions);
+  EXPECT_EQ(first.files, second.files);
+}
+
+TEST_F(ImportRobot, FindsTheMidPlane) {
+  const ImportResult result = import({.middle_m = 0.0095});
+  const sim_board::RobotDescription robot = load(result);
+  EXPECT_TRUE(has_line(result.report.normalised, "mid-plane found at y = 9.5 mm"));
+  EXPECT_EQ(joint(robot, "left_hip_yaw").p_MJ.y(), -joint(robot, "right_hip_yaw").p_MJ.y());
+}
+
+TEST_F(ImportRobot, SlidesAndSnapsAxesThatNearlyMeet) {
+  const ImportResult result =
+      import({.ankle_miss_m = 0.0006, .axis_tilt_rad = 0.004, .hip_yaw_slide_m = 0.0286});
+  const sim_board::RobotDescription robot = load(result);
+  EXPECT_EQ(joint(robot, "left_hip_yaw").p_MJ, joint(robot, "left_hip_pitch").p_MJ);
+  EXPECT_EQ(joint(robot, "left_ankle_pitch").p_MJ, joint(robot, "left_ankle_roll").p_MJ);
+  EXPECT_EQ(joint(robot, "left_hip_pitch").axis_M, Eigen::Vector3d::UnitY());
+  EXPECT_TRUE(has_line(result.report.normalised,
+                       "left_ankle_pitch and left_ankle_roll: axes made to meet, 0.6 mm apart"));
+  EXPECT_TRUE(has_line(result.report.normalised, "left_hip_yaw: anchor slid by -28.600 mm"));
+}
+
+TEST_F(ImportRobot, KeepsAxesThatMissByMoreAndAsks) {
+  const ImportResult result = import({.ankle_miss_m = 0.004});
+  EXPECT_TRUE(
+      has_line(result.report.warnings, "left_ankle_pitch and left_ankle_roll: axes 4.00 mm apart in z"));
+  ImportDecisions decisions;
+  decisions.answers["max_miss_mm"] = "5";
+  load(import({.ankle_miss_m = 0.004}, decisions));
+}
+
+TEST_F(ImportRobot, LetsArmsHang) {
+  const ImportResult result = import({.arms_out_rad = 1.2});
+  const sim_board::RobotDescription robot = load(result);
+  EXPECT_TRUE(has_line(result.report.normalised, "left_shoulder_roll: zero is at -68.75 deg of j_lb"));
+  EXPECT_NEAR(joint(robot, "left_elbow").p_MJ.y(), joint(robot, "left_shoulder_roll").p_MJ.y(), 1e-6);
+  EXPECT_LT(joint(robot, "left_elbow").p_MJ.z(), joint(robot, "left_shoulder_roll").p_MJ.z());
+}
+
+// The shaft keeps the direction of the source, the joint gets that of the firmware.
+TEST_F(ImportRobot, TurnsJointsInTheFirmwaresDirection) {
+  const sim_board::RobotDescription robot = load(import({.left_knee_sign = -1}));
+  const sim_board::JointDescription& knee = joint(robot, "left_knee");
+  EXPECT_EQ(knee.axis_M, Eigen::Vector3d::UnitY());
+  EXPECT_EQ(knee.drive.sign, -1);
+  EXPECT_NEAR(knee.lower_rad, 0.0, 1e-6);
+  EXPECT_GT(knee.upper_rad, 1.5);
+  EXPECT_EQ(joint(robot, "right_knee").drive.sign, 1);
+}
+
+TEST_F(ImportRobot, RepairsInertiasOutOfProportion) {
+  const ImportResult result = import({.inertia_factor = 1000.0});
+  const ImportRepair* const repair = find_repair(result, "body.inertia");
+  ASSERT_NE(repair, nullptr);
+  EXPECT_EQ(repair->because, "that is 1e+03 times the inertia of a uniform box of its size");
+  const sim_board::RobotDescription robot = load(result);
+  EXPECT_NEAR(robot.links.front().I_LCom_L(2, 2), 0.6 / 12.0 * (0.01 + 0.0144), 1e-5);
+}
+
+TEST_F(ImportRobot, KeepsWhatItsDecisionsKeep) {
+  ImportDecisions decisions;
+  decisions.repairs["h.inertia"] = "keep";
+  const ImportResult result = import({.inertia_factor = 4.0}, decisions);
+  const sim_board::RobotDescription robot = load(result);
+  const auto head = static_cast<std::size_t>(robot.find_link("head").value());
+  EXPECT_NEAR(robot.links[head].I_LCom_L(0, 0), 4.0 * 0.1 / 12.0 * 0.0072, 1e-6);
+}
+
+TEST_F(ImportRobot, ComparesLeftAndRight) {
+  const ImportResult result = import({.right_hip_mass_kg = 0.1});
+  ASSERT_NE(find_repair(result, "left_hip_yaw_link.mass"), nullptr);
+  const sim_board::RobotDescription robot = load(result);
+  for (const char* link : {"left_hip_yaw_link", "right_hip_yaw_link"})
+    EXPECT_NEAR(robot.links[static_cast<std::size_t>(robot.find_link(link).value())].mass_kg, 0.09, 1e-9);
+}
+
+TEST_F(ImportRobot, LimitsSpeedAndEffortToTheServo) {
+  ImportDecisions decisions;
+  decisions.answers["servo"] = "krs_2552";
+  decisions.servos["left_knee"] = "mx_64_m6";
+  const ImportResult result = import({}, decisions);
+  EXPECT_TRUE(has_line(result.report.normalised, "left_hip_yaw: an effort of 10 N m -> 1.35 N m"));
+  ASSERT_NE(find_repair(result, "left_knee.speed"), nullptr);
+  const sim_board::RobotDescription robot = load(result);
+  EXPECT_LT(joint(robot, "left_hip_yaw").max_speed_rad_per_s, 7.5);
+  EXPECT_NE(joint(robot, "left_knee").servo.resistance_ohm, joint(robot, "right_knee").servo.resistance_ohm);
+}
+
+TEST_F(ImportRobot, LocksWhatIsNoDrivenHinge) {
+  KitRobot kit;
+  kit.extra = kit.link("slide", 0.01, 0.01, 0.01, 0.01, 0.0) +
+              kit.link("finger", 0.01, 0.01, 0.01, 0.01, 0.0) +
+              kit.link("thumb", 0.01, 0.01, 0.01, 0.01, 0.0) +
+              "  <joint name=\"slider\" type=\"prismatic\"><parent link=\"body\"/><child link=\"slide\"/>"
+              "<limit lower=\"0\" upper=\"1\"/></joint>\n"
+              "  <joint name=\"j_thumb\" type=\"revolute\"><parent link=\"lc\"/><child link=\"thumb\"/><axis "
+              "xyz=\"1 0 0\"/>"
+              "<limit lower=\"0\" upper=\"1\"/><mimic joint=\"j_finger\"/></joint>\n"
+              "  <joint name=\"j_finger\" type=\"continuous\"><parent link=\"lc\"/><child "
+              "link=\"finger\"/><axis xyz=\"1 0 0\"/></joint>\n";
+  const ImportResult result = import(kit);
+  EXPECT_TRUE(has_line(result.report.normalised,
+                       "joint slider is locked at 0 deg, because it is prismatic, no hinge"));
+  EXPECT_TRUE(
+      has_line(result.report.normalised, "joint j_thumb is locked at 0 deg, because it mimics j_finger"));
+  EXPECT_TRUE(has_line(result.report.normalised,
+                       "joint j_finger is locked at 0 deg, because the firmware has no name for it"));
+  EXPECT_TRUE(has_line(result.report.normalised, "joint j_finger without limits -> 175 deg to either side"));
+  EXPECT_EQ(load(result).joints.size(), 20U);
+
+  ImportDecisions decisions;
+  decisions.joints["left_wrist"] = "slider";
+  EXPECT_THROW(static_cast<void>(import(kit, decisions)), InputError);
+}
+
+TEST_F(ImportRobot, KeepsOtherJointsIfAsked) {
+  KitRobot kit;
+  kit.extra = kit.link("hand", 0.01, 0.01, 0.01, 0.01, 0.0) +
+              kit.hinge("wrist/../../x", "lc", "hand", "0 0 -0.07", "0 0 0", "1 0 0", -1.0, 1.0);
+  ImportDecisions decisions;
+  decisions.answers["lock_other_joints"] = "no";
+  const ImportResult result = import(kit, decisions);
+  EXPECT_EQ(load(result).joints.size(), 21U);
+  for (const auto& [file, text] : result.files) EXPECT_EQ(file.find(".."), std::string::npos) << file;
+}
+
+TEST_F(ImportRobot, EndsRangesWhereTheBodyIsInTheWay) {
+  KitRobot kit;
+  std::string text = kit.text();
+  const std::string knee = "<limit lower=\"0\" upper=\"2\"";
+  for (std::size_t at = text.find(knee); at != std::string::npos; at = text.find(knee))
+    text.replace(at, knee.size(), "<limit lower=\"0\" upper=\"3.1\"");
+  const ImportResult result = import_robot({.file = write("wide.urdf", text),
+                                            .servo_folder = fs::path(KOBOSHI_SOURCE_DIR) / "robots/servos",
+                                            .output = folder_ / "out"});
+  ASSERT_NE(find_repair(result, "left_knee.upper"), nullptr);
+  const sim_board::RobotDescription robot = load(result);
+  EXPECT_EQ(joint(robot, "left_knee").upper_rad, joint(robot, "right_knee").upper_rad);
+  EXPECT_LT(joint(robot, "left_knee").upper_rad, 3.0);
+}
+
+TEST_F(ImportRobot, NamesAnAnswerThatIsNone) {
+  ImportDecisions decisions;
+  decisions.answers["servo"] = "mx28";
+  try {
+    static_cast<void>(import({}, decisions));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("the answer mx28 to the question servo"), std::string::npos)
+        << error.what();
+    EXPECT_NE(std::string(error.what()).find("mx_28"), std::string::npos);
+  }
+}
+
+// Our own robot, read as a stranger's SDF, stays the same.
+TEST_F(ImportRobot, ReadsSdfToTheSameRobot) {
+  const fs::path file = fs::path(KOBOSHI_SOURCE_DIR) / "robots/koboshi/robot.sdf";
+  const sim_board::RobotDescription own = sim_board::load_robot(file);
+  const ImportResult result = import_robot({.file = file,
+                                            .servo_folder = fs::path(KOBOSHI_SOURCE_DIR) / "robots/servos",
+                                            .output = folder_ / "out"});
+  const sim_board::RobotDescription robot = load(result);
+  EXPECT_EQ(robot.joint_names(), own.joint_names());
+  // With a straight arm, its box meets the trunk's before the end of the shoulder's range.
+  ASSERT_EQ(result.report.repairs.size(), 2U);
+  EXPECT_EQ(result.report.repairs[0].key, "left_shoulder_roll.lower");
+  EXPECT_EQ(result.report.repairs[1].key, "right_shoulder_roll.upper");
+  for (std::size_t i = 0; i < own.joints.size(); ++i) {
+    const sim_board::JointDescription& one = robot.joints[i];
+    const sim_board::JointDescription& other = own.joints[i];
+    EXPECT_EQ(one.axis_M, other.axis_M) << one.name;
+    EXPECT_LT((one.p_MJ - other.p_MJ).norm(), 2e-6) << one.name;
+    const double shortened_rad = one.name.ends_with("shoulder_roll") ? 0.1 : 1e-5;
+    EXPECT_NEAR(one.lower_rad, other.lower_rad, shortened_rad) << one.name;
+    EXPECT_NEAR(one.upper_rad, other.upper_rad, shortened_rad) << one.name;
+    const sim_board::LinkDescription& link = robot.links[static_cast<std::size_t>(one.child)];
+    const sim_board::LinkDescription& own_link = own.links[static_cast<std::size_t>(other.child)];
+    EXPECT_NEAR(link.mass_kg, own_link.mass_kg, 1e-9) << one.name;
+    EXPECT_LT((link.p_LCom_L - own_link.p_LCom_L).norm(), 2e-6) << one.name;
+    EXPECT_LT((link.I_LCom_L - own_link.I_LCom_L).norm(), 1e-5 * own_link.I_LCom_L.norm()) << one.name;
+  }
+}
+
+TEST_F(ImportRobot, RefusesAFolderThatIsSomethingElse) {
+  fs::create_directories(folder_ / "other");
+  std::ofstream(folder_ / "other/robot.sdf") << "<sdf/>";
+  EXPECT_THROW(check_import_folder(folder_ / "other"), InputError);
+  EXPECT_NO_THROW(check_import_folder(folder_ / "new"));
+}
+
+}  // namespace
+}  // namespace koboshi::tools

@@ -1,0 +1,133 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "base/text/error.h"
+#include "tests/unit/tools/import/kit_robot.h"
+#include "tools/import/read/robot_reader.h"
+#include "tools/import/read/sdf_reader.h"
+#include "tools/import/read/urdf_reader.h"
+
+namespace koboshi::tools {
+namespace {
+
+ImportedRobot read(const std::string& text, ImportReport& report) {
+  ImportedRobot robot = read_urdf("robot.urdf", text, report);
+  static_cast<void>(root_link(robot));
+  return robot;
+}
+
+std::string error_of(const std::string& text) {
+  ImportReport report;
+  try {
+    static_cast<void>(read(text, report));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(UrdfReader, ReadsLinksAndJoints) {
+  ImportReport report;
+  const ImportedRobot robot = read(KitRobot{}.text(), report);
+  EXPECT_EQ(robot.name, "kit");
+  EXPECT_EQ(robot.joints.size(), 21U);
+  EXPECT_TRUE(report.ignored.empty());
+  const ImportedJoint& knee = robot.joints[static_cast<std::size_t>(robot.find_joint("j_l4").value())];
+  EXPECT_EQ(knee.axis_L, Eigen::Vector3d::UnitY());
+  EXPECT_EQ(knee.X_PL.translation(), Eigen::Vector3d(0.0, 0.0, -0.08));
+  EXPECT_EQ(knee.upper_rad, 2.0);
+}
+
+TEST(UrdfReader, NamesWhatItIgnores) {
+  ImportReport report;
+  static_cast<void>(read("<robot><link name='a'/>\n<gazebo/><gazebo/></robot>", report));
+  ASSERT_EQ(report.ignored.size(), 1U);
+  EXPECT_EQ(report.ignored.front(), "<gazebo> in <robot> (2 times, first in line 2)");
+}
+
+TEST(UrdfReader, NamesTheLineOfAFault) {
+  EXPECT_EQ(
+      error_of("<robot>\n<link name='a'/><link/></robot>").find("robot.urdf:2: found <link> without name"),
+      0U);
+  EXPECT_EQ(error_of("<robot><link name='a'/>\n<link name='a'/></robot>"),
+            "robot.urdf:2: found a second link a, expected a name of its own");
+  EXPECT_EQ(error_of("<robot><link name='a'><inertial><mass value='heavy'/>"
+                     "<inertia ixx='1' iyy='1' izz='1'/></inertial></link></robot>"),
+            "robot.urdf:1: found mass = heavy, expected a number");
+  EXPECT_EQ(error_of("<robot><link name='a'/>\n<joint name='j' type='fixed'><parent link='a'/><child "
+                     "link='b'/></joint></robot>"),
+            "robot.urdf:2: found link b, expected the name of a <link>");
+  EXPECT_EQ(error_of("<robot><link name='a'/>\n<link name='b'/></robot>"),
+            "robot.urdf:2: found link b, no joint's child, expected only a to be that");
+}
+
+TEST(UrdfReader, NamesClosedLoops) {
+  const std::string links = "<robot><link name='a'/><link name='b'/><link name='c'/>\n";
+  const auto joint = [](const std::string& name, const std::string& parent, const std::string& child) {
+    return "<joint name='" + name + "' type='fixed'><parent link='" + parent + "'/><child link='" + child +
+           "'/></joint>\n";
+  };
+  EXPECT_EQ(error_of(links + joint("x", "a", "b") + joint("y", "b", "c") + joint("z", "c", "b") + "</robot>"),
+            "robot.urdf:4: found a closed loop: b moved by x and by z, expected one joint for each link; "
+            "remove the joint "
+            "that closes the loop");
+  EXPECT_EQ(error_of(links + joint("x", "c", "b") + joint("y", "b", "c") + "</robot>"),
+            "robot.urdf:1: found a closed loop of links: c, b, c, expected a tree of joints");
+}
+
+std::string sdf(const std::string& content) {
+  return "<sdf version='1.6'><model name='m'>" + content + "</model></sdf>";
+}
+
+// The link's frame becomes that of its joint, and the axis of SDF 1.6 may be given in the model's axes.
+TEST(SdfReader, ResolvesFrames) {
+  ImportReport report;
+  const ImportedRobot robot = read_sdf(
+      "m.sdf",
+      sdf("<link name='a'><pose>0 0 1 0 0 0</pose></link>"
+          "<link name='b'><pose>0 0 2 0 0 1.5707963267948966</pose><inertial><mass>2</mass></inertial></link>"
+          "<joint name='j' type='revolute'><pose>0.5 0 0 0 0 0</pose><parent>a</parent><child>b</child>"
+          "<axis><xyz>1 0 0</xyz><use_parent_model_frame>1</use_parent_model_frame>"
+          "<limit><lower>-1</lower><upper>1</upper></limit></axis></joint>"),
+      report);
+  ASSERT_EQ(robot.joints.size(), 1U);
+  EXPECT_LT((robot.joints[0].X_PL.translation() - Eigen::Vector3d(0.0, 0.5, 1.0)).norm(), 1e-12);
+  EXPECT_LT((robot.joints[0].axis_L - Eigen::Vector3d(0.0, -1.0, 0.0)).norm(), 1e-12);
+  EXPECT_LT((robot.links[1].p_LCom_L - Eigen::Vector3d(-0.5, 0.0, 0.0)).norm(), 1e-12);
+  EXPECT_EQ(robot.joints[0].kind, JointKind::kHinge);
+}
+
+TEST(SdfReader, NamesRingsAndMissingFrames) {
+  ImportReport report;
+  EXPECT_THROW(static_cast<void>(read_sdf("m.sdf",
+                                          sdf("<link name='a'><pose relative_to='b'/></link>"
+                                              "<link name='b'><pose relative_to='a'/></link>"),
+                                          report)),
+               InputError);
+  EXPECT_THROW(static_cast<void>(read_sdf(
+                   "m.sdf", sdf("<link name='a'><pose relative_to='c'>0 0 0 0 0 0</pose></link>"), report)),
+               InputError);
+  const ImportedRobot robot =
+      read_sdf("m.sdf",
+               sdf("<link name='a'/><link name='b'/><joint name='j' type='revolute'>"
+                   "<parent>a</parent><child>b</child><axis><limit><lower>-1e16</lower>"
+                   "<upper>1e16</upper></limit></axis></joint>"),
+               report);
+  EXPECT_EQ(robot.joints[0].kind, JointKind::kContinuous);
+}
+
+TEST(RobotReader, SaysHowToExpandXacro) {
+  ImportReport report;
+  try {
+    static_cast<void>(read_foreign_robot("robot.urdf.xacro", report));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "robot.urdf.xacro: found a file for xacro, expected a URDF; expand it with: xacro "
+                 "robot.urdf.xacro > robot.urdf");
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::tools

@@ -1,0 +1,190 @@
+#include "tools/import/normalise/zero_pose.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "base/text/text.h"
+#include "base/text/user_units.h"
+#include "tools/import/decide/role_joints.h"
+
+namespace koboshi::tools {
+namespace {
+
+using Eigen::Vector3d;
+
+// An axis beside an axis of the base by less is a matter of rounding, which align_robot() snaps.
+constexpr double kAxisTolerance_rad = 0.5 * kRadPerDegree;
+// A knee a little in front of the hip is how legs are built; one that is further off means bent legs.
+constexpr double kBentTolerance_rad = 10.0 * kRadPerDegree;
+
+// The signed angle about `axis` that turns `from` to `to`, both projected on the plane of rotation. Nothing
+// if one of them is along the axis.
+std::optional<double> angle_between(const Vector3d& axis, const Vector3d& from, const Vector3d& to) {
+  const Vector3d a = from - axis * axis.dot(from);
+  const Vector3d b = to - axis * axis.dot(to);
+  if (a.norm() < 1e-6 || b.norm() < 1e-6) return std::nullopt;
+  return std::atan2(axis.dot(a.cross(b)), a.dot(b));
+}
+
+// What a joint straightens: the axis of the next joint, or the way to the next anchor.
+struct Target {
+  std::string_view role;
+  std::string_view axis_of;  // make this joint's axis parallel to `along`
+  Vector3d along;
+  std::string_view point_of;  // bring this joint's anchor below
+};
+
+const std::vector<Target>& targets() {
+  static const std::vector<Target> table{
+      {"hip_yaw", "hip_pitch", Vector3d::UnitY(), ""},
+      {"hip_roll", "hip_pitch", Vector3d::UnitY(), ""},
+      {"hip_pitch", "", Vector3d::Zero(), "knee"},
+      {"knee", "", Vector3d::Zero(), "ankle_pitch"},
+      {"ankle_pitch", "ankle_roll", Vector3d::UnitX(), ""},
+      {"shoulder_pitch", "shoulder_roll", Vector3d::UnitX(), ""},
+      {"shoulder_roll", "", Vector3d::Zero(), "elbow"},
+      {"elbow", "", Vector3d::Zero(), "tip"},
+      {"head_pan", "head_tilt", Vector3d::UnitY(), ""},
+  };
+  return table;
+}
+
+class Straightener {
+ public:
+  Straightener(const ImportedRobot& robot, const Eigen::Matrix3d& R_MR, const ImportDecisions& decisions)
+      : robot_(robot), R_MR_(R_MR), decisions_(decisions), angles_rad_(robot.joints.size(), 0.0) {
+    update();
+  }
+
+  // Sets the angle of a joint by its name in robot.sdf.
+  void set(const std::string& name, double angle_rad) {
+    angles_rad_[static_cast<std::size_t>(*index_of(name))] = angle_rad;
+    update();
+  }
+  void straighten(const std::string& name) {
+    const auto joint = index_of(name);
+    const RoleJoint* const role = find_role(name);
+    if (!joint || role == nullptr) return;
+    const std::string side = name.substr(0, name.size() - role->name.size());
+    for (const Target& target : targets())
+      if (target.role == role->name) turn(name, side, target);
+  }
+
+  std::optional<int> index_of(const std::string& name) const {
+    const auto source = decisions_.joints.find(name);
+    return source == decisions_.joints.end() ? std::nullopt : robot_.find_joint(source->second);
+  }
+  const std::vector<double>& angles_rad() const { return angles_rad_; }
+
+ private:
+  void update() {
+    X_ML_ = link_poses(robot_, angles_rad_);
+    for (Eigen::Isometry3d& pose : X_ML_) pose = R_MR_ * pose;
+  }
+  const ImportedJoint& joint(int index) const { return robot_.joints[static_cast<std::size_t>(index)]; }
+  Vector3d anchor(int index) const {
+    return X_ML_[static_cast<std::size_t>(joint(index).child)].translation();
+  }
+  Vector3d axis(int index) const {
+    return X_ML_[static_cast<std::size_t>(joint(index).child)].linear() * joint(index).axis_L;
+  }
+
+  void turn(const std::string& name, const std::string& side, const Target& target) {
+    const int at = *index_of(name);
+    std::optional<double> angle_rad;
+    double tolerance_rad = kBentTolerance_rad;
+    if (!target.axis_of.empty()) {
+      const auto next = index_of(side + std::string(target.axis_of));
+      if (!next) return;
+      angle_rad = axis_angle(at, *next, target.along);
+      tolerance_rad = kAxisTolerance_rad;
+    } else {
+      const auto end = end_of(at, side, target.point_of);
+      if (!end) return;
+      angle_rad = angle_between(axis(at), *end - anchor(at), -Vector3d::UnitZ());
+    }
+    if (!angle_rad || std::abs(*angle_rad) <= tolerance_rad) return;
+    // Rounded, so that import.yaml gives the same pose.
+    constexpr double kRounding_deg = 1e-6;
+    const double zero_deg = kDegreesPerRad * (angles_rad_[static_cast<std::size_t>(at)] + *angle_rad);
+    set(name, kRadPerDegree * (std::round(zero_deg / kRounding_deg) * kRounding_deg));
+  }
+
+  // Either direction of the other axis will do; the one that is nearer, or, where both are far, the one after
+  // which the limb hangs lower.
+  std::optional<double> axis_angle(int at, int next, const Vector3d& along) const {
+    constexpr double kFar_rad = 60.0 * kRadPerDegree;
+    const auto one = angle_between(axis(at), axis(next), along);
+    const auto other = angle_between(axis(at), axis(next), -along);
+    if (!one || !other) return std::nullopt;
+    const double nearer = std::abs(*one) <= std::abs(*other) ? *one : *other;
+    if (std::abs(nearer) < kFar_rad) return nearer;
+    const Vector3d limb = tip(at) - anchor(at);
+    const auto height = [&](double angle_rad) { return (Eigen::AngleAxisd(angle_rad, axis(at)) * limb).z(); };
+    return height(*one) <= height(*other) ? *one : *other;
+  }
+
+  std::optional<Vector3d> end_of(int at, const std::string& side, std::string_view point) const {
+    if (point == "tip") return tip(at);
+    const auto next = index_of(side + std::string(point));
+    if (next) return anchor(*next);
+    return std::nullopt;
+  }
+
+  // The place of the limb's shapes that is farthest from the joint; of its mass without shapes.
+  Vector3d tip(int at) const {
+    const Eigen::Isometry3d& X_ML = X_ML_[static_cast<std::size_t>(joint(at).child)];
+    const ImportedLink& link = robot_.links[static_cast<std::size_t>(joint(at).child)];
+    const Eigen::AlignedBox3d extent = extent_of(link);
+    if (extent.isEmpty()) return X_ML * link.p_LCom_L;
+    // The middle of the face that is farthest away, as the axis of a forearm leads there.
+    Vector3d far = extent.center();
+    for (int i = 0; i < 6; ++i) {
+      Vector3d face = extent.center();
+      face[i / 2] = i % 2 == 0 ? extent.min()[i / 2] : extent.max()[i / 2];
+      if (face.norm() > far.norm()) far = face;
+    }
+    return X_ML * far;
+  }
+
+  const ImportedRobot& robot_;
+  const Eigen::Matrix3d& R_MR_;
+  const ImportDecisions& decisions_;
+  std::vector<double> angles_rad_;
+  std::vector<Eigen::Isometry3d> X_ML_;
+};
+
+}  // namespace
+
+std::vector<double> decide_zero_pose(const ImportedRobot& robot, const Eigen::Matrix3d& R_MR,
+                                     Interview& interview, ImportReport& report) {
+  Straightener straightener(robot, R_MR, interview.taken);
+  const bool is_wanted =
+      interview.yes({"straighten",
+                     "Is joint zero the upright pose with hanging arms, whatever the source's zero is?",
+                     "yes",
+                     {}});
+  // Role names are ordered from the trunk outwards in each limb.
+  for (const std::string& name : role_names()) {
+    const auto index = straightener.index_of(name);
+    if (!index) continue;
+    const auto given = interview.given().zero_deg.find(name);
+    if (given != interview.given().zero_deg.end()) {
+      straightener.set(name, kRadPerDegree * given->second);
+    } else if (is_wanted) {
+      straightener.straighten(name);
+    }
+    const double angle_deg = kDegreesPerRad * straightener.angles_rad()[static_cast<std::size_t>(*index)];
+    if (angle_deg == 0.0) continue;
+    interview.taken.zero_deg[name] = std::round(1e6 * angle_deg) / 1e6;
+    report.normalised.push_back(fmt::format("{}: zero is at {:.2f} deg of {}", name, angle_deg,
+                                            one_line(robot.joints[static_cast<std::size_t>(*index)].name)));
+  }
+  return straightener.angles_rad();
+}
+
+}  // namespace koboshi::tools

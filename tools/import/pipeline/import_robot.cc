@@ -1,0 +1,101 @@
+#include "tools/import/pipeline/import_robot.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "base/text/error.h"
+#include "base/text/text.h"
+#include "base/text/user_units.h"
+#include "tools/import/collision/clear_boxes.h"
+#include "tools/import/collision/fit_boxes.h"
+#include "tools/import/decide/decisions_text.h"
+#include "tools/import/decide/roles.h"
+#include "tools/import/mesh/surfaces.h"
+#include "tools/import/normalise/align.h"
+#include "tools/import/normalise/lock_joints.h"
+#include "tools/import/normalise/merge_links.h"
+#include "tools/import/normalise/repair_links.h"
+#include "tools/import/normalise/symmetry.h"
+#include "tools/import/normalise/zero_pose.h"
+#include "tools/import/read/robot_reader.h"
+#include "tools/import/servo/decide_servos.h"
+#include "tools/import/write/import_page.h"
+
+namespace koboshi::tools {
+namespace {
+
+// Ranges that import.yaml sets.
+void apply_given_limits(ImportedRobot& robot, Interview& interview) {
+  for (const auto& [name, limits_deg] : interview.given().limits_deg) {
+    const auto index = robot.find_joint(name);
+    if (!index)
+      throw InputError(robot.file, 0, "no joint " + one_line(name) + " for limits_deg",
+                       "a joint of robot.sdf");
+    ImportedJoint& joint = robot.joints[static_cast<std::size_t>(*index)];
+    joint.lower_rad = kRadPerDegree * limits_deg[0];
+    joint.upper_rad = kRadPerDegree * limits_deg[1];
+    interview.taken.limits_deg[name] = limits_deg;
+  }
+}
+
+// No drawing of a tree shows rods beside it.
+void ask_for_linkages(Interview& interview, ImportReport& report) {
+  if (interview.yes({"linkage",
+                     "Does a parallel linkage that the drawing leaves out move a knee or an ankle?",
+                     "no",
+                     {}}))
+    report.warnings.push_back(
+        "a linkage moves joints together: ranges and torques here are those of separate servos");
+}
+
+std::filesystem::path relative_source(const ImportOptions& options) {
+  std::error_code error;
+  const std::filesystem::path relative = std::filesystem::relative(options.file, options.output, error);
+  return error || relative.empty() ? options.file : relative;
+}
+
+}  // namespace
+
+ImportResult import_robot(const ImportOptions& options) {
+  ImportResult result;
+  ImportReport& report = result.report;
+  Interview interview(options.decisions, options.ask, options.decisions_source);
+  const ServoCatalogue catalogue(options.servo_folder);
+
+  ImportedRobot source = read_foreign_robot(options.file, report);
+  load_surfaces(source, MeshPaths(options.file, options.paths), report);
+  repair_links(source, interview, report);
+  lock_undriven_joints(source, interview, report);
+  ImportedRobot robot = merge_fixed_links(source);
+
+  const Eigen::Matrix3d R_MR = decide_axes(robot, interview);
+  decide_roles(robot, R_MR, interview, report);
+  lock_extra_joints(robot, interview, report);
+  robot = merge_fixed_links(robot);
+  if (robot.joints.empty()) throw InputError(options.file, 0, "a robot without driven hinges", "one or more");
+  repair_masses(robot, interview, report);
+
+  const std::vector<double> zero_rad = decide_zero_pose(robot, R_MR, interview, report);
+  robot = align_robot(robot, R_MR, zero_rad, interview, report);
+  repair_symmetry(robot, interview, report);
+  apply_given_limits(robot, interview);
+  ask_for_linkages(interview, report);
+  decide_servos(robot, catalogue, interview, report);
+
+  const auto triangles = static_cast<std::size_t>(interview.number(
+      {"triangles", "How many triangles may the meshes of a link have?", "4000", {}}, 12, 1e6));
+  RobotFileParts parts = decide_parts(robot, catalogue, interview);
+  parts.meshes = make_link_meshes(robot, triangles, result.files, report);
+  fit_boxes(robot, interview.taken.answers.at("symmetric") == "yes", report);
+  clear_boxes(robot, interview, report);
+  add_licences(options.file, result.files, report);
+
+  result.files["robot.sdf"] = robot_sdf(robot, parts, catalogue);
+  result.files["import.yaml"] = decisions_text(interview, report, relative_source(options));
+  result.files["import.md"] = import_page(robot, parts, interview, report, options.command);
+  result.questions = interview.questions().size();
+  result.robot = std::move(robot);
+  return result;
+}
+
+}  // namespace koboshi::tools

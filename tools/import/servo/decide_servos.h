@@ -1,0 +1,15 @@
+#pragma once
+
+#include "tools/import/decide/decisions.h"
+#include "tools/import/robot/imported_robot.h"
+#include "tools/import/robot/report.h"
+#include "tools/import/servo/servo_catalogue.h"
+
+namespace koboshi::tools {
+
+// Decides the servo of each joint: one question for all, with exceptions in `servos`. Effort and speed that
+// the servo does not have are repaired to its own.
+void decide_servos(ImportedRobot& robot, const ServoCatalogue& catalogue, Interview& interview,
+                   ImportReport& report);
+
+}  // namespace koboshi::tools
