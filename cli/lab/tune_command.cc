@@ -62,7 +62,7 @@ auto show_search(const std::string& label, const std::string& unit, const std::f
     });
   }();
   for (const auto& [path, value] : result.numbers) fmt::print("{}: {}\n", path, value);
-  fmt::print("{}", infeasible_text(result.infeasible, result.evaluations));
+  fmt::print("{}{}", infeasible_text(result.infeasible, result.evaluations), result.lost);
   fmt::print("{}{:.4f}{} on the seeds that it was tuned on; results in {}\n", label, result.score, unit,
              out.string());
   return result;

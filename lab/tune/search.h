@@ -60,6 +60,7 @@ struct SearchResult {
   double score = 0.0;  // mean over the seeds that were searched on: more than it will get on others
   std::size_t evaluations = 0;
   std::map<std::string, std::size_t> infeasible{};  // candidates by the limit that they violate
+  std::string lost{};                               // LostTrials::text() of a study
 };
 
 // An evaluated set of parameters.

@@ -15,6 +15,7 @@
 #include "lab/trial/getting_up.h"
 #include "lab/trial/scenario_trial.h"
 #include "lab/tune/infeasible.h"
+#include "lab/tune/lost_trials.h"
 #include "lab/tune/optimiser.h"
 #include "simulation/record/summary.h"
 #include "simulation/scenario/reader.h"
@@ -64,6 +65,7 @@ class StudySearch {
       static_cast<void>(minimise([this](const auto& x) { return -search_.evaluate(x).score; }, start, how));
     }
     SearchResult result = search_.finish();
+    result.lost = lost_.text();
     std::string text;
     for (const auto& [path, value] : result.numbers) text += path + ": " + number_text(value) + "\n";
     write_whole_file(options_.out / "best.yaml", text);
@@ -156,7 +158,7 @@ class StudySearch {
             "# {}\n\n{} evaluations in {} worlds each, seeds {} to {}: judge what was found on others.\n",
             study_.file.filename().string(), evaluations, options_.seeds, options_.first_seed,
             options_.first_seed + options_.seeds - 1) +
-            infeasible_text(search_.infeasible().counts(), evaluations) + figure +
+            infeasible_text(search_.infeasible().counts(), evaluations) + lost_.text() + figure +
             table_text({"number", "range", "start", "found"}, numbers, TableStyle::kMarkdown) + "\n" +
             table_text({"trial", "weight", "score of the start", "score of the result"}, trials,
                        TableStyle::kMarkdown));
@@ -202,6 +204,7 @@ class StudySearch {
       double mean = 0.0;
       for (const GettingUpTrial& trial : trial_fields().trials(result.cells[cell])) {
         mean += score(studied, trial, durations_s_[cell]);
+        lost_.add(trial);
       }
       mean /= static_cast<double>(options_.seeds);
       candidate.scores.push_back(mean);
@@ -248,6 +251,7 @@ class StudySearch {
   const ShowProgress progress_;
   std::vector<double> durations_s_;  // of the trials that do not end with a fall
   Search search_;
+  LostTrials lost_;
 };
 
 }  // namespace

@@ -45,7 +45,7 @@ class GuardedWorld final : public ForwardingWorld {
   void step() override;
   void archive(StateArchive& archive) override {
     ForwardingWorld::archive(archive);
-    archive(steps_, speeds_rad_per_s_, pushes_, work_J_, lowest_J_, returnable_J_, energies_J_);
+    archive(steps_, speeds_rad_per_s_, pushes_, work_J_, lowest_J_, returnable_J_, energies_J_, strongest_);
   }
 
  private:
@@ -58,7 +58,14 @@ class GuardedWorld final : public ForwardingWorld {
 
   double power_W(const Push& push) const;
   void add_work();
-  double elastic_J() const;
+  // The strongest contact of a link since the last check; force 0: none.
+  struct Strongest {
+    double force_N = 0.0;
+    int other = -1;  // link; -1: the ground
+  };
+
+  double look_at_contacts();
+  void note(int link, int other, double force_N);
   void check();
   std::string cause(int link) const;
 
@@ -74,6 +81,7 @@ class GuardedWorld final : public ForwardingWorld {
   double lowest_J_ = std::numeric_limits<double>::infinity();
   double returnable_J_ = 0.0;       // energy in the ground's springs now or shortly before
   std::vector<double> energies_J_;  // by link, at the last check
+  std::vector<Strongest> strongest_;
 };
 
 GuardedWorld::GuardedWorld(std::unique_ptr<World> world, const RobotDescription& robot,
@@ -87,6 +95,7 @@ GuardedWorld::GuardedWorld(std::unique_ptr<World> world, const RobotDescription&
       speeds_rad_per_s_(robot.joints.size(), 0.0) {
   pushes_.reserve(kMaxPushes);
   energies_J_.resize(robot.links.size());
+  strongest_.resize(robot.links.size());
   check();
 }
 
@@ -117,17 +126,26 @@ void GuardedWorld::add_work() {
     work_J_ += half_s * state.servo_Nm * (speeds_rad_per_s_[j] + state.speed_rad_per_s);
     speeds_rad_per_s_[j] = state.speed_rad_per_s;
   }
-  returnable_J_ = std::max(returnable_J_, elastic_J());
+  returnable_J_ = std::max(returnable_J_, look_at_contacts());
   for (const Push& push : pushes_) work_J_ += half_s * (push.power_W + power_W(push));
   pushes_.clear();
 }
 
 // Energy of springs under these forces plus a quarter: the forces are those at the end of a step, lower than
-// their maximum within it, and include the dampers.
-double GuardedWorld::elastic_J() const {
+// their maximum within it, and include the dampers. Also notes the forces, for the message.
+double GuardedWorld::look_at_contacts() {
   double sum_N2 = 0.0;
-  for (const Contact& contact : contacts()) sum_N2 += std::pow(contact.f_W.dot(contact.n_W), 2);
+  for (const Contact& contact : contacts()) {
+    sum_N2 += std::pow(contact.f_W.dot(contact.n_W), 2);
+    note(contact.link, contact.other_link, contact.f_W.norm());
+    if (contact.other_link >= 0) note(contact.other_link, contact.link, contact.f_W.norm());
+  }
   return 1.25 * sum_N2 / (2.0 * spring_N_per_m_);
+}
+
+void GuardedWorld::note(int link, int other, double force_N) {
+  Strongest& strongest = strongest_[static_cast<std::size_t>(link)];
+  if (force_N > strongest.force_N) strongest = {force_N, other};
 }
 
 void GuardedWorld::check() {
@@ -149,7 +167,7 @@ void GuardedWorld::check() {
   lowest_J_ += returned_J;
   returnable_J_ = kForget * (returnable_J_ - returned_J);
   const double gain_J = unexplained_J - lowest_J_;
-  if (gain_J <= tolerance_J_) return;
+  if (gain_J <= tolerance_J_) return strongest_.assign(strongest_.size(), {});
   throw WorldBlewUp("the world gained energy at " + std::to_string(time_s()) + " s: body '" +
                     robot_.links[static_cast<std::size_t>(gainer)].name + "': " + std::to_string(gain_J) +
                     " J more than the work of servos and pushes (tolerance " + std::to_string(tolerance_J_) +
@@ -157,18 +175,11 @@ void GuardedWorld::check() {
 }
 
 std::string GuardedWorld::cause(int link) const {
-  double force_N = 0.0;
-  const Contact* strongest = nullptr;
-  for (const Contact& contact : contacts()) {
-    if ((contact.link != link && contact.other_link != link) || contact.f_W.norm() < force_N) continue;
-    force_N = contact.f_W.norm();
-    strongest = &contact;
-  }
-  if (strongest == nullptr) return "it has no contact, so its joints are the source";
-  const int other = strongest->link == link ? strongest->other_link : strongest->link;
+  const auto& [force_N, other] = strongest_[static_cast<std::size_t>(link)];
+  if (force_N == 0.0) return "it has no contact, so its joints are the source";
   const std::string name =
       other < 0 ? "the ground" : "'" + robot_.links[static_cast<std::size_t>(other)].name + "'";
-  return "its strongest contact: " + name + ", " + std::to_string(force_N) + " N";
+  return "its strongest contact in the last 10 ms: " + name + ", " + std::to_string(force_N) + " N";
 }
 
 }  // namespace

@@ -64,7 +64,9 @@ TEST(LoadRobot, RotatesInertiasIntoTheAxesOfTheLink) {
 
 TEST(LoadRobot, RejectsFilesThatAreNotARobot) {
   EXPECT_EQ(complaint(""), "FILE:1: found an empty file, expected an XML element");
-  EXPECT_EQ(complaint("<robot name='urdf'/>"), "FILE:1: found <robot>, expected <sdf>");
+  EXPECT_THAT(complaint("<robot name='urdf'/>"),
+              StartsWith("FILE:1: found a URDF, expected a robot.sdf; make it with: koboshi model import "));
+  EXPECT_EQ(complaint("<world name='flat'/>"), "FILE:1: found <world>, expected <sdf>");
   EXPECT_EQ(complaint("<sdf version='1.9'/>"), "FILE:1: found <sdf> without <model>, expected that element");
   EXPECT_EQ(complaint(with("\"1.9\"", "\"1.4\"")),
             "FILE:1: found version = 1.4, expected 1.5, 1.6, 1.7, 1.8 or 1.9");
