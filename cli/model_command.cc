@@ -89,6 +89,7 @@ void add_model_command(CLI::App& program, Invocation& invocation) {
   add_check(*model, invocation);
   add_model_edit_commands(*model, invocation);
   add_model_import_command(*model, invocation);
+  add_model_map_command(*model, invocation);
   add_reference(*model);
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sim_board/description/roles.h"
+
 namespace koboshi::sim_board {
 namespace {
 
@@ -32,8 +34,17 @@ double RobotDescription::total_mass_kg() const {
   return mass_kg;
 }
 
-std::optional<int> RobotDescription::find_joint(const std::string& joint_name) const {
-  return find_named(joints, joint_name);
+std::optional<int> RobotDescription::find_joint(const std::string& name_or_role) const {
+  if (const auto named = find_named(joints, name_or_role)) return named;
+  const auto place = std::ranges::find(joints, name_or_role, &JointDescription::role);
+  if (place == joints.end()) return std::nullopt;
+  return static_cast<int>(place - joints.begin());
+}
+
+int RobotDescription::mirror_of(int joint) const {
+  const JointDescription& described = joints.at(static_cast<std::size_t>(joint));
+  const std::string& stated = described.stated_mirror;
+  return find_joint(stated.empty() ? other_side(described.role()) : stated).value_or(joint);
 }
 
 std::optional<int> RobotDescription::find_link(const std::string& link_name) const {

@@ -157,6 +157,14 @@ struct DriveDescription {
   double zero_rad = 0.0;
 };
 
+// What the maker's own software calls a joint: the servo's number, direction and zero in motion files.
+struct MakerDescription {
+  int servo_id = 0;
+  int sign = 1;                // ticks = zero + sign * joint angle * ticks_per_turn / 2 pi
+  double zero_ticks = 2048.0;  // at joint angle zero
+  double ticks_per_turn = 4096.0;
+};
+
 // Every joint is a hinge.
 struct JointDescription {
   std::string name;
@@ -171,6 +179,12 @@ struct JointDescription {
   ServoDescription servo;
   EncoderDescription encoder;
   DriveDescription drive;
+  std::string stated_role = {};    // empty: the name is the role
+  std::string stated_mirror = {};  // name of a joint; empty: the joint with the role of the other side
+  std::optional<MakerDescription> maker = {};
+
+  // The joint's place in a humanoid, such as left_hip_pitch (roles.h).
+  const std::string& role() const { return stated_role.empty() ? name : stated_role; }
 };
 
 // Errors and dynamics of one sampled group of axes. Each has its own class in sim_board/sensor;
@@ -234,11 +248,14 @@ struct RobotDescription {
   // Names in the order of `joints` and `links`.
   std::vector<std::string> joint_names() const;
   std::vector<std::string> link_names() const;
-  // Returns the index of the joint or link with this name, or nothing.
-  std::optional<int> find_joint(const std::string& joint_name) const;
+  // Returns the index of the joint with this name, otherwise of the one with this role, or nothing.
+  std::optional<int> find_joint(const std::string& name_or_role) const;
+  // Returns the joint of the other side; the joint itself if it is in the middle or alone.
+  int mirror_of(int joint) const;
+  // Returns the index of the link with this name, or nothing.
   std::optional<int> find_link(const std::string& link_name) const;
-  // Returns the joints that a name in a user's file refers to: the joint itself, or those named left_ and
-  // right_ plus this name, where the right one mirrors the left. Empty if there is none.
+  // Returns the joints that a name in a user's file refers to: the joint itself, or those whose names or
+  // roles are left_ and right_ plus this name, where the right one mirrors the left. Empty if there is none.
   std::vector<MirroredJoint> find_joints(const std::string& joint_name) const;
 };
 

@@ -50,6 +50,7 @@ void find_sensor_faults(const XmlNode& sensor, FaultList& faults);
 void find_unit_faults(const XmlNode& model, FaultList& faults);
 // Of the model as a whole; requires that all references are sound.
 void find_tree_faults(const XmlNode& model, const ModelFrames& frames, FaultList& faults);
+void find_role_faults(const XmlNode& model, FaultList& faults);
 void find_sensor_set_faults(const XmlNode& model, const ModelFrames& frames, FaultList& faults);
 
 }  // namespace koboshi::sim_board

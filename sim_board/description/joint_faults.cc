@@ -1,9 +1,14 @@
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <numbers>
+#include <set>
+#include <string>
 
 #include "base/text/text.h"
 #include "sim_board/description/description.h"
 #include "sim_board/description/fault_list.h"
+#include "sim_board/description/roles.h"
 
 namespace koboshi::sim_board {
 namespace {
@@ -43,7 +48,63 @@ void find_range_faults(const XmlNode& joint, FaultList& faults) {
   }
 }
 
+// A joint's role, and the element that states it: <koboshi:role>, or the joint whose name it is.
+struct Role {
+  std::string name;
+  XmlNode node;
+};
+
+Role role_of(const XmlNode& joint) {
+  if (const auto stated = joint.find("koboshi:role")) return {stated->text(), *stated};
+  return {joint.attribute("name"), joint};
+}
+
+// The joint of the other side as mirror_of() finds it; the joint itself if there is none.
+std::string mirror_of(const XmlNode& joint, const std::map<std::string, std::string>& joints_by_role) {
+  if (const auto stated = joint.find("koboshi:mirror")) return stated->text();
+  const auto other = joints_by_role.find(other_side(role_of(joint).name));
+  return other == joints_by_role.end() ? joint.attribute("name") : other->second;
+}
+
 }  // namespace
+
+void find_role_faults(const XmlNode& model, FaultList& faults) {
+  std::map<std::string, XmlNode> joints;
+  std::set<std::int64_t> servo_ids;
+  for (const XmlNode& joint : model.children("joint")) {
+    joints.emplace(joint.attribute("name"), joint);
+    const auto maker = joint.find("koboshi:maker");
+    if (maker && !servo_ids.insert(maker->attribute_integer("servo_id")).second)
+      faults.add(RobotFaultKind::kRole, *maker, "a second servo_id " + maker->attribute("servo_id"),
+                 "each servo of the maker once", "servo_id");
+  }
+  std::map<std::string, std::string> joints_by_role;
+  for (const auto& [name, joint] : joints) {
+    const Role role = role_of(joint);
+    const auto [first, is_new] = joints_by_role.emplace(role.name, name);
+    if (!is_new) {
+      const bool is_stated = joint.find("koboshi:role").has_value();
+      const XmlNode& second = is_stated ? role.node : role_of(joints.at(first->second)).node;
+      faults.add(RobotFaultKind::kRole, second,
+                 "the role " + role.name + " of both " + first->second + " and " + name, "one joint a role");
+    } else if (role.name != name && joints.contains(role.name)) {
+      faults.add(RobotFaultKind::kRole, role.node, "the role " + role.name + ", the name of another joint",
+                 "a role that names one joint");
+    }
+  }
+  for (const auto& [name, joint] : joints) {
+    const std::string other = mirror_of(joint, joints_by_role);
+    const auto found = joints.find(other);
+    if (found == joints.end()) {
+      faults.add(RobotFaultKind::kRole, joint.child("koboshi:mirror"),
+                 "<koboshi:mirror> = " + one_line(other), "the name of a joint");
+    } else if (const std::string back = mirror_of(found->second, joints_by_role); back != name) {
+      faults.add(RobotFaultKind::kRole, joint.find("koboshi:mirror").value_or(joint),
+                 other + " as mirror of " + name + ", but " + back + " as mirror of " + other,
+                 "two joints that mirror each other");
+    }
+  }
+}
 
 void find_joint_faults(const XmlNode& joint, FaultList& faults) {
   find_axis_faults(joint.child("axis").child("xyz"), faults);

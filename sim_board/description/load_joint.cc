@@ -17,6 +17,22 @@ DriveDescription load_drive(const XmlNode& node) {
   return drive;
 }
 
+std::optional<MakerDescription> load_maker(const XmlNode& joint) {
+  const auto node = joint.find("koboshi:maker");
+  if (!node) return std::nullopt;
+  MakerDescription maker;
+  maker.servo_id = static_cast<int>(node->attribute_integer("servo_id"));
+  maker.sign = static_cast<int>(node->attribute_integer("sign", maker.sign));
+  maker.zero_ticks = node->attribute_number("zero_ticks", maker.zero_ticks);
+  maker.ticks_per_turn = node->attribute_number("ticks_per_turn", maker.ticks_per_turn);
+  return maker;
+}
+
+std::string text_or_empty(const XmlNode& joint, const std::string& key) {
+  const auto node = joint.find(key);
+  return node ? node->text() : std::string();
+}
+
 EncoderDescription load_encoder(const XmlNode& node) {
   return {.bits = static_cast<int>(node.attribute_integer("bits")),
           .offset_rad = node.attribute_number("offset_rad", 0.0),
@@ -55,6 +71,9 @@ JointDescription load_joint(const XmlNode& node, const ModelFrames& frames, cons
   description.servo = type->second;
   description.encoder = load_encoder(node.child("koboshi:encoder"));
   description.drive = load_drive(node.child("koboshi:drive"));
+  description.stated_role = text_or_empty(node, "koboshi:role");
+  description.stated_mirror = text_or_empty(node, "koboshi:mirror");
+  description.maker = load_maker(node);
   return description;
 }
 

@@ -239,6 +239,7 @@ std::vector<RobotFault> find_robot_faults(const XmlNode& model, const std::files
     if (has_ring) return faults.faults();
     find_tree_faults(model, frames, faults);
     find_sensor_set_faults(model, frames, faults);
+    find_role_faults(model, faults);
   }
   return faults.faults();
 }

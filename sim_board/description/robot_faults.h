@@ -22,6 +22,7 @@ enum class RobotFaultKind {
   kNodeId,     // used twice
   kFrameRing,  // frames that refer to each other in a ring
   kTree,       // joints that form no tree of all links
+  kRole,       // a role or a maker's servo of two joints, mirrors that are not mutual
   kMesh,       // a file that is missing
   kShape,      // a visual with none or several, a direction of friction that is zero
   kServoType,  // values that contradict each other

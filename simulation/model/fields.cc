@@ -49,17 +49,10 @@ constexpr std::array<std::string_view, robot::kRoleCount> kRoleNames{
     "right_elbow",
 };
 
-robot::JointRole role_of(const std::string& name) {
-  const auto found = std::find(kRoleNames.begin() + 1, kRoleNames.end(), name);
+robot::JointRole role_of(const std::string& role) {
+  const auto found = std::find(kRoleNames.begin() + 1, kRoleNames.end(), role);
   return found == kRoleNames.end() ? robot::JointRole::kOther
                                    : static_cast<robot::JointRole>(found - kRoleNames.begin());
-}
-
-int index_of_joint(const RobotDescription& robot, const std::string& name) {
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    if (robot.joints[i].name == name) return static_cast<int>(i);
-  }
-  return -1;
 }
 
 // Converts a link's index to the firmware's numbering.
@@ -73,19 +66,13 @@ robot::LinkIndex link_index(const RobotDescription& robot, int link) {
                    "a tree of joints that begins at the base");
 }
 
-std::string other_side(const std::string& name) {
-  if (name.starts_with("left_")) return "right_" + name.substr(5);
-  if (name.starts_with("right_")) return "left_" + name.substr(6);
-  return name;
-}
-
 void set_mirror(const RobotDescription& robot, std::size_t index, robot::Joint& joint) {
   const JointDescription& described = robot.joints[index];
-  const std::string partner = other_side(described.name);
-  const int found = index_of_joint(robot, partner);
-  joint.mirror = robot::JointIndex(found < 0 ? static_cast<int>(index) : found);
+  const int mirror = robot.mirror_of(static_cast<int>(index));
+  const std::string& partner = robot.joints.at(static_cast<std::size_t>(mirror)).name;
+  joint.mirror = robot::JointIndex(mirror);
   const double cosine = sim_board::mirrored_axis(described.axis_M).dot(robot.joints[joint.mirror].axis_M);
-  if (found >= 0 && partner != described.name && std::abs(cosine) < 1.0 - 1e-9) {
+  if (partner != described.name && std::abs(cosine) < 1.0 - 1e-9) {
     throw InputError(robot.file, described.line,
                      "axes of " + described.name + " and " + partner + " that are no mirror images",
                      "a left and a right joint with one axis or its opposite, mirrored");
@@ -149,7 +136,7 @@ fixed::Angle limit(double angle_rad) {
 robot::Joint joint_fields(const RobotDescription& robot, const BaseFrame& frame, std::size_t index) {
   const JointDescription& described = robot.joints[index];
   robot::Joint joint;
-  joint.role = role_of(described.name);
+  joint.role = role_of(described.role());
   joint.parent = link_index(robot, described.parent);
   set_mirror(robot, index, joint);
   const Vector3d parent_M = joint.parent.is_trunk() ? Vector3d(robot.links[0].X_ML.translation())

@@ -48,7 +48,7 @@ struct Ankle {
 
 std::optional<Ankle> find_ankle(const RobotDescription& robot, const std::string& side) {
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    if (robot.joints[i].name != side + "_ankle_roll") continue;
+    if (robot.joints[i].role() != side + "_ankle_roll") continue;
     return Ankle{robot.joints[i].name, static_cast<int>(i),
                  robot.links.at(0).X_ML.inverse() * robot.joints[i].p_MJ};
   }

@@ -58,7 +58,12 @@ class LegFaults {
   }
 
  private:
-  std::string name(std::size_t i) const { return prefix_ + kNames[i]; }
+  std::string role(std::size_t i) const { return prefix_ + kNames[i]; }
+  // With the role, if that is not the name.
+  std::string name(std::size_t i) const {
+    const std::string& name = joint(i).name;
+    return name == role(i) ? name : name + " (" + role(i) + ")";
+  }
   const JointDescription& joint(std::size_t i) const { return robot_.joints[indices_[i]]; }
   Vector3d anchor_m(std::size_t i) const { return metres(model_.joints[indices_[i]].anchor); }
   void add(std::size_t i, const std::string& found, const std::string& expected) {
@@ -73,10 +78,11 @@ class LegFaults {
         continue;
       }
       complete = false;
-      errors_.emplace_back(robot_.file, robot_.line, "no joint " + name(i),
-                           "a leg of six joints with the names " + prefix_ +
-                               "hip_yaw, hip_roll, hip_pitch, knee, "
-                               "ankle_pitch, ankle_roll");
+      errors_.emplace_back(
+          robot_.file, robot_.line, "no joint " + role(i),
+          "a leg of six joints with the names or roles " + prefix_ +
+              "hip_yaw, hip_roll, hip_pitch, knee, ankle_pitch, ankle_roll (koboshi model map "
+              "proposes roles)");
     }
     return complete;
   }

@@ -136,6 +136,7 @@ NamedModel load_named_model(const RobotDescription& robot) {
   if (robot::load_model(named.image, named.model) != robot::ModelStatus::kOk) {
     throw std::logic_error("a valid robot model could not be loaded again");
   }
+  for (const sim_board::JointDescription& joint : robot.joints) named.joint_roles.push_back(joint.role());
   named.hands = {hand_tip(robot, named.model, robot::JointRole::kLeftElbow),
                  hand_tip(robot, named.model, robot::JointRole::kRightElbow)};
   return named;

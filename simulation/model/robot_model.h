@@ -24,6 +24,7 @@ namespace koboshi::simulation {
 struct NamedModel {
   std::string robot;
   std::vector<std::string> joint_names;
+  std::vector<std::string> joint_roles{};  // a joint without a stated role has its name here
   std::vector<std::byte> image;
   robot::RobotModel model;
   // The tip of each hand (left, right) in the frame of the link that the elbow carries: the centre of that

@@ -120,7 +120,7 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   const OutputFolder folder(options.out);
 
   const auto columns = simulation::RunRecorder::columns(simulation.robot());
-  ShownTrace trace(columns);
+  ShownTrace trace(columns, simulation.robot());
   const auto when_full = live.is_live() ? simulation::WhenFull::kDrop : simulation::WhenFull::kWait;
   simulation::Recorder files(options.out, columns, when_full);
   std::optional<view::RunRecording> recording;

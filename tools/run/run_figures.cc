@@ -101,6 +101,15 @@ Figure legs_figure(const simulation::Scenario& scenario, double begin_s) {
           .marks = marks_of(scenario)};
 }
 
+// The title of a joint's column with the role in place of the name: left_knee_true_rad for l_knee_true_rad.
+std::string title_by_role(const std::string& title, const sim_board::RobotDescription& robot) {
+  for (const sim_board::JointDescription& joint : robot.joints) {
+    for (const char* signal : {"_target_rad", "_true_rad"})
+      if (title == joint.name + signal) return joint.role() + signal;
+  }
+  return title;
+}
+
 std::set<std::string> shown_columns() {
   std::set<std::string> names{"state"};
   for (const Figure& figure : {body_figure({}, 0.0), legs_figure({}, 0.0)}) names.merge(columns_of(figure));
@@ -110,13 +119,15 @@ std::set<std::string> shown_columns() {
 
 }  // namespace
 
-ShownTrace::ShownTrace(const std::vector<simulation::TraceColumn>& columns)
+ShownTrace::ShownTrace(const std::vector<simulation::TraceColumn>& columns,
+                       const sim_board::RobotDescription& robot)
     : columns_(make_columns({"time_s"})) {
   const std::set<std::string> shown = shown_columns();
   for (std::size_t cell = 0; cell < columns.size(); ++cell) {
-    if (!shown.contains(columns[cell].title())) continue;
+    const std::string title = title_by_role(columns[cell].title(), robot);
+    if (!shown.contains(title)) continue;
     cells_.push_back(cell);
-    columns_.push_back({columns[cell].title(), {}});
+    columns_.push_back({title, {}});
   }
 }
 

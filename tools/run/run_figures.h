@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "sim_board/description/description.h"
 #include "simulation/record/trace.h"
 #include "simulation/scenario/scenario.h"
 #include "tools/plot/figure.h"
@@ -17,8 +18,8 @@ class ShownTrace {
  public:
   static constexpr std::size_t kMaxRows = 120'000;  // 20 minutes at 100 Hz, about 50 MB
 
-  // `columns` are those of the trace.
-  explicit ShownTrace(const std::vector<simulation::TraceColumn>& columns);
+  // `columns` are those of the trace. Columns of joints go by the joints' roles.
+  ShownTrace(const std::vector<simulation::TraceColumn>& columns, const sim_board::RobotDescription& robot);
 
   // A row of the trace.
   void add(std::uint64_t time_us, std::span<const simulation::TraceValue> row);

@@ -1,5 +1,6 @@
-// The keys of a joint: axis, limits, servo, encoder, drive.
+// The keys of a joint: axis, limits, servo, encoder, drive, role.
 
+#include "sim_board/description/roles.h"
 #include "sim_board/description/schema/schema_rules.h"
 
 namespace koboshi::sim_board {
@@ -79,6 +80,40 @@ XmlRule drive() {
             "frames.md"})});
 }
 
+XmlRule role() {
+  return text_rule("koboshi:role", kOptional,
+                   {.meaning = "place of the joint in a humanoid, by which firmware and motions refer to it; "
+                               "without it, the joint's name",
+                    .source = "model-map.md"},
+                   role_names());
+}
+
+XmlRule mirror() {
+  return text_rule(
+      "koboshi:mirror", kOptional,
+      {.meaning = "name of the joint of the other side; without it, the one whose role differs in "
+                  "`left_` and `right_` only",
+       .source = "model-map.md"});
+}
+
+XmlRule maker() {
+  return attributes_rule(
+      "koboshi:maker", kOptional,
+      {.meaning = "the joint in motion files of the robot's maker", .source = "model-map.md"},
+      {integer_attribute("servo_id", true, {.min = 0, .max = 255},
+                         {"1", "", "number of the servo, unique", "model-map.md"}),
+       {"sign",
+        kInteger,
+        false,
+        {},
+        {"1", "-1"},
+        {"1", "1", "ticks = zero_ticks + sign * joint angle / (2 pi) * ticks_per_turn", "model-map.md"}},
+       number_attribute("zero_ticks", false, {.min = -1e6, .max = 1e6},
+                        {"ticks", "2048", "position at joint angle zero", "model-map.md"}),
+       number_attribute("ticks_per_turn", false, {.min = 1, .max = 1e7},
+                        {"ticks", "4096", "ticks of a whole turn", "model-map.md"})});
+}
+
 }  // namespace
 
 XmlRule joint_rule() {
@@ -92,9 +127,9 @@ XmlRule joint_rule() {
        text_rule("child", kRequired,
                  {.meaning = "name of the link that the joint moves, or of a frame that is attached to it",
                   .source = kSdf}),
-       axis(), servo(), encoder(), drive(), force_torque_rule()},
-      {name_attribute(
-           "name of the joint, unique among links, joints and frames; `left_` and `right_` mark the sides"),
+       axis(), servo(), encoder(), drive(), role(), mirror(), maker(), force_torque_rule()},
+      {name_attribute("name of the joint, unique among links, joints and frames; a role if koboshi:role "
+                      "states no other"),
        text_attribute("type", true, {.meaning = "kind of joint", .source = kSdf}, {"revolute"})});
 }
 

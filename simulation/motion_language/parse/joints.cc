@@ -28,9 +28,11 @@ constexpr std::array<Group, 7> kGroups{{{"head", JointRole::kHeadPan, JointRole:
 JointNames::JointNames(const NamedModel& robot) : robot_(robot) {}
 
 std::optional<std::size_t> JointNames::find(std::string_view name) const {
-  const auto found = std::find(robot_.joint_names.begin(), robot_.joint_names.end(), name);
-  if (found == robot_.joint_names.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - robot_.joint_names.begin());
+  for (const std::vector<std::string>* names : {&robot_.joint_names, &robot_.joint_roles}) {
+    const auto found = std::find(names->begin(), names->end(), name);
+    if (found != names->end()) return static_cast<std::size_t>(found - names->begin());
+  }
+  return std::nullopt;
 }
 
 std::optional<std::size_t> JointNames::find_left(std::string_view sideless) const {
@@ -54,8 +56,12 @@ std::uint32_t JointNames::mask(std::string_view name) const {
 
 std::vector<std::string> JointNames::all(bool groups) const {
   std::vector<std::string> names = robot_.joint_names;
-  for (const std::string& joint : robot_.joint_names) {
-    if (joint.starts_with("left_") && find_left(joint.substr(5))) names.push_back(joint.substr(5));
+  for (const std::string& role : robot_.joint_roles) {
+    if (std::find(names.begin(), names.end(), role) == names.end()) names.push_back(role);
+  }
+  const std::size_t with_side = names.size();
+  for (std::size_t i = 0; i < with_side; ++i) {
+    if (names[i].starts_with("left_") && find_left(names[i].substr(5))) names.push_back(names[i].substr(5));
   }
   if (groups) {
     for (const Group& group : kGroups) names.emplace_back(group.name);

@@ -15,7 +15,7 @@ class JointNames {
  public:
   explicit JointNames(const NamedModel& robot);
 
-  // Returns the joint with this full name.
+  // Returns the joint with this full name, otherwise the one with this role.
   [[nodiscard]] std::optional<std::size_t> find(std::string_view name) const;
   // Returns the left joint of a name without its side, as `knee`.
   [[nodiscard]] std::optional<std::size_t> find_left(std::string_view sideless) const;

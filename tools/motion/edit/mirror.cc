@@ -94,8 +94,10 @@ class Mirror {
 
   // The mirror image of a joint's or a group's name. One without side stands for both sides.
   std::string mirrored_name(const std::string& name) const {
-    if (const auto joint = joints_.find(name)) return joints_.name(joints_.mirror(*joint));
-    return other_side(name);
+    const std::string other = other_side(name);
+    const auto joint = joints_.find(name);
+    if (!joint || joints_.find(other) == joints_.mirror(*joint)) return other;  // keeps roles as roles
+    return joints_.name(joints_.mirror(*joint));
   }
   // Whether the angle of this joint changes its sign. That of a name without side does not: it is the left
   // joint's, and the right one was its mirror image.

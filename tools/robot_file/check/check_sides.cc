@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/text/user_units.h"
+#include "sim_board/description/roles.h"
 #include "tools/robot_file/check/checked_model.h"
 
 namespace koboshi::tools {
@@ -76,6 +77,16 @@ void check_links(CheckedModel& model) {
     }
     compare_links(model, left, model.robot.links[static_cast<std::size_t>(*index)]);
   }
+  // Links with other names are on the side of the joints that carry them.
+  for (std::size_t i = 0; i < model.robot.joints.size(); ++i) {
+    const sim_board::JointDescription& joint = model.robot.joints[i];
+    const auto mirror = static_cast<std::size_t>(model.robot.mirror_of(static_cast<int>(i)));
+    if (!joint.role().starts_with("left_") || mirror == i) continue;
+    const auto link_of = [&](std::size_t of) -> const sim_board::LinkDescription& {
+      return model.robot.links[static_cast<std::size_t>(model.robot.joints[of].child)];
+    };
+    if (!link_of(i).name.starts_with("left_")) compare_links(model, link_of(i), link_of(mirror));
+  }
 }
 
 void compare_joints(CheckedModel& model, const sim_board::JointDescription& left,
@@ -105,16 +116,16 @@ void compare_joints(CheckedModel& model, const sim_board::JointDescription& left
 }
 
 void check_joints(CheckedModel& model) {
-  for (const sim_board::JointDescription& left : model.robot.joints) {
-    if (!left.name.starts_with("left_")) continue;
-    const std::string name = "right_" + left.name.substr(5);
-    const auto index = model.robot.find_joint(name);
-    if (!index) {
-      model.warn("R003", model.places.of("joint", left.name), "no " + name,
+  for (std::size_t i = 0; i < model.robot.joints.size(); ++i) {
+    const sim_board::JointDescription& left = model.robot.joints[i];
+    if (!left.role().starts_with("left_")) continue;
+    const auto mirror = static_cast<std::size_t>(model.robot.mirror_of(static_cast<int>(i)));
+    if (mirror == i) {
+      model.warn("R003", model.places.of("joint", left.name), "no " + sim_board::other_side(left.role()),
                  "the mirror image of " + left.name);
       continue;
     }
-    compare_joints(model, left, model.robot.joints[static_cast<std::size_t>(*index)]);
+    compare_joints(model, left, model.robot.joints[mirror]);
   }
 }
 

@@ -55,6 +55,8 @@ std::string code_of(RobotFaultKind kind) {
       return "R027";
     case RobotFaultKind::kUnit:
       return "R030";
+    case RobotFaultKind::kRole:
+      return "R031";
   }
   return {};
 }
@@ -278,6 +280,11 @@ void make_repair(const RobotFault& fault, const std::filesystem::path& folder, R
       return repair_sensor(fault.node, repair);
     case RobotFaultKind::kUnit:
       repair.finding.repair = "Write the value in the unit of the file.";
+      return;
+    case RobotFaultKind::kRole:
+      repair.finding.repair = fault.node.name() == "koboshi:maker"
+                                  ? "Correct one of the two numbers."
+                                  : "koboshi model map proposes roles and mirrors.";
       return;
     case RobotFaultKind::kFrameRing:
       repair.finding.repair = "Let one of them refer to a frame outside of the ring.";

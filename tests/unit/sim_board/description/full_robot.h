@@ -105,6 +105,9 @@ inline const std::string kFullRobot =
       <koboshi:servo type="small"/>
       <koboshi:encoder bits="14" offset_rad="0.01" noise_counts="0.2"/>
       <koboshi:drive node_id="17" vendor_id="5" product_code="6" serial_number="7" sign="-1" zero_rad="0.5"/>
+      <koboshi:role>left_ankle_roll</koboshi:role>
+      <koboshi:mirror>ankle</koboshi:mirror>
+      <koboshi:maker servo_id="18" sign="-1" zero_ticks="512" ticks_per_turn="1228.8"/>
       <sensor name="left_ankle" type="force_torque">
         <pose>0 0 -0.01 0 0 0.1</pose>
         <update_rate>500</update_rate>

@@ -73,6 +73,11 @@ class RobotWriter {
     write("encoder", joint.encoder.bits, joint.encoder.offset_rad, joint.encoder.noise_counts);
     write("drive", int{joint.drive.node_id}, joint.drive.vendor_id, joint.drive.product_code,
           joint.drive.serial_number, joint.drive.sign, joint.drive.zero_rad);
+    if (!joint.stated_role.empty()) write("role", joint.stated_role);
+    if (!joint.stated_mirror.empty()) write("mirror", joint.stated_mirror);
+    if (joint.maker)
+      write("maker", joint.maker->servo_id, joint.maker->sign, joint.maker->zero_ticks,
+            joint.maker->ticks_per_turn);
   }
 
   void write_channel(const ChannelDescription& c) {

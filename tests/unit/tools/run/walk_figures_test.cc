@@ -90,7 +90,7 @@ TEST(WalkFigures, OmitTheZmpOfAnUnloadedFoot) {
 
 TEST(ShownTrace, KeepsTheColumnsOfTheFigures) {
   using enum simulation::TraceKind;
-  ShownTrace trace({{"state", "", kInteger}, {"imu_roll", "rad"}, {"left_knee_torque", "permille"}});
+  ShownTrace trace({{"state", "", kInteger}, {"imu_roll", "rad"}, {"left_knee_torque", "permille"}}, {});
   trace.add(10'000, std::vector<simulation::TraceValue>{3, 0.25, 7.0});
   trace.add(20'000, std::vector<simulation::TraceValue>{4, kNaN, 7.0});
   ASSERT_EQ(trace.columns().size(), 3u);  // no figure shows the torque
@@ -101,7 +101,7 @@ TEST(ShownTrace, KeepsTheColumnsOfTheFigures) {
 }
 
 TEST(ShownTrace, KeepsEverySecondRowOfALongRun) {
-  ShownTrace trace({{"state", "", simulation::TraceKind::kInteger}});
+  ShownTrace trace({{"state", "", simulation::TraceKind::kInteger}}, {});
   for (std::uint64_t row = 0; row < ShownTrace::kMaxRows + 4; ++row)
     trace.add(10'000 * row, std::vector<simulation::TraceValue>{static_cast<int>(row % 8)});
   const std::vector<double>& time_s = values_of(trace.columns(), "time_s");

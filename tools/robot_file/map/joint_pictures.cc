@@ -1,0 +1,68 @@
+#include "tools/robot_file/map/joint_pictures.h"
+
+#include <Eigen/Geometry>
+
+#include "base/text/user_units.h"
+#include "view/capture/scene.h"
+#include "view/film/film.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr double kTurn_rad = 20.0 / kDegreesPerRad;
+constexpr view::Colour kMoved{1.0F, 0.5F, 0.1F};
+constexpr int kSize_px = 480;
+
+// Whether a link hangs on a joint, directly or through others.
+std::vector<bool> moved_links(const sim_board::RobotDescription& robot, std::size_t joint) {
+  std::vector<bool> moved(robot.links.size(), false);
+  moved[static_cast<std::size_t>(robot.joints[joint].child)] = true;
+  for (std::size_t round = 0; round < robot.joints.size(); ++round) {
+    for (const sim_board::JointDescription& one : robot.joints)
+      if (moved[static_cast<std::size_t>(one.parent)]) moved[static_cast<std::size_t>(one.child)] = true;
+  }
+  return moved;
+}
+
+view::Recording turned(const sim_board::RobotDescription& robot, const view::Scene& scene,
+                       std::size_t joint) {
+  const sim_board::JointDescription& described = robot.joints[joint];
+  const double angle_rad = described.upper_rad >= kTurn_rad ? kTurn_rad : -kTurn_rad;
+  const Eigen::Isometry3d turn = Eigen::Translation3d(described.p_MJ) *
+                                 Eigen::AngleAxisd(angle_rad, described.axis_M) *
+                                 Eigen::Translation3d(-described.p_MJ);
+  view::Recording recording{.title = robot.name};
+  recording.scene = scene;
+  view::Sample sample;
+  const std::vector<bool> moved = moved_links(robot, joint);
+  for (std::size_t link = 0; link < robot.links.size(); ++link) {
+    const Eigen::Isometry3d X_ML = moved[link] ? turn * robot.links[link].X_ML : robot.links[link].X_ML;
+    sample.links.push_back({.p_WL_m = X_ML.translation().cast<float>(),
+                            .q_WL = Eigen::Quaterniond(X_ML.linear()).cast<float>()});
+    if (!moved[link]) continue;
+    for (view::Shape& shape : recording.scene.links[link].visuals) shape.colour = kMoved;
+  }
+  recording.samples.push_back(std::move(sample));
+  return recording;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> draw_joint_pictures(const sim_board::RobotDescription& robot,
+                                                       const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  const view::Scene scene = view::make_scene(
+      robot, {.present = false, .surface = {}, .patches = {}, .boxes = {}, .height_fields = {}});
+  std::vector<std::filesystem::path> files;
+  for (std::size_t joint = 0; joint < robot.joints.size(); ++joint) {
+    view::FilmOptions options{.out = folder / (robot.joints[joint].name + ".png"),
+                              .width_px = kSize_px,
+                              .height_px = kSize_px,
+                              .at_s = {0.0}};
+    view::render(turned(robot, scene, joint), options, [](int, int) {});
+    files.push_back(options.out);
+  }
+  return files;
+}
+
+}  // namespace koboshi::tools
