@@ -87,7 +87,7 @@ void import_model(const ModelImportArguments& arguments, const Invocation& invoc
 
 void add_model_import_command(CLI::App& model, Invocation& invocation) {
   auto arguments = std::make_shared<ModelImportArguments>();
-  CLI::App* import = model.add_subcommand("import", "Import a robot from a URDF or SDF file");
+  CLI::App* import = model.add_subcommand("import", "Import a robot from a URDF, SDF or MJCF file");
   import->footer(
       R"(Writes robot.sdf, meshes, the source's licence, import.yaml with every decision, and import.md, which says
 what was found, changed and asked (docs/guide/import-a-robot.md). What no file can know is asked on a terminal;
@@ -96,7 +96,7 @@ what was found, changed and asked (docs/guide/import-a-robot.md). What no file c
 Example:
   koboshi model import kit/robot.urdf -o robots/kit --servo ax_12
 )");
-  import->add_option("FILE", arguments->file, "URDF or SDF file of the robot")->required();
+  import->add_option("FILE", arguments->file, "URDF, SDF or MJCF file of the robot")->required();
   import->add_option("-o", arguments->output, "Folder of the robot: robots/NAME")
       ->required()
       ->type_name("FOLDER");
