@@ -87,8 +87,8 @@ void import_model(const ModelImportArguments& arguments, const Invocation& invoc
 
 void add_model_import_command(CLI::App& model, Invocation& invocation) {
   auto arguments = std::make_shared<ModelImportArguments>();
-  CLI::App* import = model.add_subcommand("import", "Import a robot from a URDF or SDF file");
-  import->footer(
+  CLI::App* command = model.add_subcommand("import", "Import a robot from a URDF, SDF or MJCF file");
+  command->footer(
       R"(Writes robot.sdf, meshes, the source's licence, import.yaml with every decision, and import.md, which says
 what was found, changed and asked (docs/guide/import-a-robot.md). What no file can know is asked on a terminal;
 --answers FILE or the preset answers otherwise. Edit import.yaml and repeat the command to decide otherwise.
@@ -96,21 +96,20 @@ what was found, changed and asked (docs/guide/import-a-robot.md). What no file c
 Example:
   koboshi model import kit/robot.urdf -o robots/kit --servo ax_12
 )");
-  import->add_option("FILE", arguments->file, "URDF or SDF file of the robot")->required();
-  import->add_option("-o", arguments->output, "Folder of the robot: robots/NAME")
+  command->add_option("FILE", arguments->file, "URDF, SDF or MJCF file of the robot")->required();
+  command->add_option("-o", arguments->output, "Folder of the robot: robots/NAME")
       ->required()
       ->type_name("FOLDER");
-  import->add_option("--path", arguments->paths, "Folder of packages or models in which meshes are searched")
+  command->add_option("--path", arguments->paths, "Folder of packages or models in which meshes are searched")
       ->type_name("FOLDER");
-  import
+  command
       ->add_option("--servo", arguments->servos,
                    "Servo type of all joints, or of some: TYPE:JOINT,JOINT\n(default: by the robot's mass)")
       ->type_name("TYPE");
-  import
+  command
       ->add_option("--answers", arguments->answers, "Answers to the questions, in the format of import.yaml")
       ->type_name("FILE");
-  import->callback([arguments, &invocation] { import_model(*arguments, invocation);
-});
-}  // namespace koboshi::tools
+  command->callback([arguments, &invocation] { import_model(*arguments, invocation); });
+}
 
 }  // namespace koboshi::tools

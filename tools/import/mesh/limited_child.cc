@@ -43,6 +43,7 @@ void write_all(int descriptor, std::string_view bytes) {
 [[noreturn]] void run_child(const ChildLimits& limits, int output,
                             const std::function<std::string()>& function) {
   for (const int crash : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL}) signal(crash, SIG_DFL);
+  signal(SIGXFSZ, SIG_IGN);  // a log that a library tries to write fails, and no more
   set_limit(RLIMIT_CPU, limits.processor_s);
   set_limit(RLIMIT_CORE, 0);
   set_limit(RLIMIT_FSIZE, 0);  // pipes are not files

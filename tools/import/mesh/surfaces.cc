@@ -22,6 +22,7 @@ class SurfaceLoader {
 
   // Returns false for a shape without a surface.
   bool load(const std::string& link, ImportedShape& shape) {
+    if (shape.surface) return true;  // the reader has it
     if (shape.kind != ShapeKind::kMesh) {
       shape.surface = primitive_surface(shape.kind, shape.size_m);
       return true;

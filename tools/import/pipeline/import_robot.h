@@ -12,7 +12,7 @@
 namespace koboshi::tools {
 
 struct ImportOptions {
-  std::filesystem::path file{};                // URDF
+  std::filesystem::path file{};                // URDF, SDF or MJCF
   std::vector<std::filesystem::path> paths{};  // in which meshes are searched
   std::filesystem::path servo_folder{};        // libraries of servo types
   std::filesystem::path decisions_source{};    // named in messages about answers

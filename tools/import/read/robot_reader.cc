@@ -4,6 +4,7 @@
 #include "base/text/foreign_text.h"
 #include "base/text/text.h"
 #include "base/xml/xml_reader.h"
+#include "tools/import/read/mjcf_reader.h"
 #include "tools/import/read/sdf_reader.h"
 #include "tools/import/read/urdf_reader.h"
 
@@ -23,9 +24,11 @@ ImportedRobot read_foreign_robot(const std::filesystem::path& file, ImportReport
     robot = read_urdf(file, text, report);
   } else if (root == "sdf") {
     robot = read_sdf(file, text, report);
+  } else if (root == "mujoco") {
+    robot = read_mjcf(file, report);
   } else {
     throw InputError(file, 0, root.empty() ? "no well-formed XML" : "<" + one_line(root) + ">",
-                     "<robot> of a URDF or <sdf> of an SDF model");
+                     "<robot> of a URDF, <sdf> of an SDF model or <mujoco> of an MJCF model");
   }
   static_cast<void>(root_link(robot));  // throws for a closed loop
   return robot;

@@ -4,6 +4,7 @@
 
 #include "base/text/error.h"
 #include "tests/unit/tools/import/kit_robot.h"
+#include "tools/import/read/mjcf_reader.h"
 #include "tools/import/read/robot_reader.h"
 #include "tools/import/read/sdf_reader.h"
 #include "tools/import/read/urdf_reader.h"
@@ -116,6 +117,45 @@ TEST(SdfReader, NamesRingsAndMissingFrames) {
                report);
   EXPECT_EQ(robot.joints[0].kind, JointKind::kContinuous);
 }
+
+#ifdef KOBOSHI_HAS_MUJOCO
+TEST(MjcfReader, ReadsBodiesAndJoints) {
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "koboshi_mjcf_test.xml";
+  std::ofstream(file)
+      << R"(<mujoco model="m"><compiler angle="degree"/><worldbody><geom type="plane" size="1 1 1"/>
+<body name="a" pos="0 0 1"><freejoint/><geom type="box" size="0.1 0.1 0.1" mass="2"/>
+<body name="b" pos="0 0 -0.2"><joint name="j" type="hinge" axis="0 2 0" pos="0 0 0.05" range="-30 60" limited="true"/>
+<joint name="k" type="hinge" axis="1 0 0"/><geom type="capsule" size="0.02 0.05" mass="0.5"/></body></body></worldbody>
+<actuator><motor joint="j" gear="3" forcelimited="true" forcerange="-2 2"/></actuator></mujoco>)";
+  ImportReport report;
+  const ImportedRobot robot = read_foreign_robot(file, report);
+  EXPECT_EQ(robot.name, "m");
+  ASSERT_EQ(robot.links.size(), 3U);
+  ASSERT_EQ(robot.joints.size(), 2U);
+  EXPECT_EQ(robot.links[0].mass_kg, 2.0);
+  EXPECT_LT((robot.joints[0].X_PL.translation() - Eigen::Vector3d(0.0, 0.0, -0.15)).norm(), 1e-12);
+  EXPECT_LT((robot.joints[1].X_PL.translation() - Eigen::Vector3d(0.0, 0.0, -0.05)).norm(), 1e-12);
+  EXPECT_NEAR(*robot.joints[0].upper_rad, 1.0472, 1e-4);
+  EXPECT_EQ(robot.joints[0].effort_Nm, 6.0);
+  EXPECT_EQ(robot.joints[1].kind, JointKind::kContinuous);
+  EXPECT_FALSE(robot.joints[1].has_actuator);
+  EXPECT_EQ(robot.links[2].collisions.size(), 1U);
+
+  std::ofstream(file) << "<mujoco>\n<worldbody>\n<bogus/></worldbody></mujoco>";
+  try {
+    static_cast<void>(read_foreign_robot(file, report));
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.line(), 3) << error.what();
+  }
+  std::filesystem::remove(file);
+}
+#else
+TEST(MjcfReader, IsNotInThisBuild) {
+  ImportReport report;
+  EXPECT_THROW(static_cast<void>(read_mjcf("m.xml", report)), InputError);
+}
+#endif
 
 TEST(RobotReader, SaysHowToExpandXacro) {
   ImportReport report;
