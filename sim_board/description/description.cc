@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim_board/description/roles.h"
+#include "sim_board/description/schema/roles.h"
 
 namespace koboshi::sim_board {
 namespace {

@@ -8,7 +8,7 @@
 #include "base/text/text.h"
 #include "sim_board/description/description.h"
 #include "sim_board/description/fault_list.h"
-#include "sim_board/description/roles.h"
+#include "sim_board/description/schema/roles.h"
 
 namespace koboshi::sim_board {
 namespace {

@@ -1,6 +1,6 @@
 // The keys of a joint: axis, limits, servo, encoder, drive, role.
 
-#include "sim_board/description/roles.h"
+#include "sim_board/description/schema/roles.h"
 #include "sim_board/description/schema/schema_rules.h"
 
 namespace koboshi::sim_board {

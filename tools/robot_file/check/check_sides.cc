@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/text/user_units.h"
-#include "sim_board/description/roles.h"
+#include "sim_board/description/schema/roles.h"
 #include "tools/robot_file/check/checked_model.h"
 
 namespace koboshi::tools {

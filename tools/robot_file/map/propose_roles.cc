@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim_board/description/roles.h"
+#include "sim_board/description/schema/roles.h"
 #include "tools/robot_file/map/role_map.h"
 
 namespace koboshi::tools {

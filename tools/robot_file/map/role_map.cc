@@ -7,7 +7,7 @@
 
 #include "base/text/error.h"
 #include "base/text/text.h"
-#include "sim_board/description/roles.h"
+#include "sim_board/description/schema/roles.h"
 
 namespace koboshi::tools {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "base/text/error.h"
 #include "sim_board/description/load.h"
-#include "sim_board/description/roles.h"
+#include "sim_board/description/schema/roles.h"
 #include "simulation/model/robot_model.h"
 #include "tests/unit/tools/robot_file/planted_robot.h"
 

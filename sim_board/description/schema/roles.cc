@@ -1,4 +1,4 @@
-#include "sim_board/description/roles.h"
+#include "sim_board/description/schema/roles.h"
 
 #include <array>
 
