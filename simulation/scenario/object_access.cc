@@ -60,11 +60,15 @@ bool ObjectAccess::on_frame(const hal::CanFrame& frame, std::uint64_t time_us) {
   if (!active_ || frame.remote || frame.size != 8 ||
       frame.identifier != response_identifier(active_->node_id))
     return false;
+  // An answer about another object is for another client of the channel, or late.
+  const bool is_ours = sdo::address_of(frame.data) == active_->address;
   if (frame.data[0] == sdo::kAbort) {
+    if (!is_ours) return false;
     end(static_cast<AbortCode>(sdo::data_of(frame.data)), time_us);
   } else if (segmented_) {
     active_->data.empty() ? accept_segment(frame.data, time_us) : accept_written(frame.data, time_us);
   } else {
+    if (!is_ours) return false;
     accept(frame.data, time_us);
   }
   return true;
@@ -75,7 +79,6 @@ void ObjectAccess::accept(const Data& answer, std::uint64_t time_us) {
   const bool reads = active_->data.empty();
   if (specifier != (reads ? sdo::kInitiateUploadResponse : sdo::kInitiateDownloadResponse))
     return abort(AbortCode::kCommandSpecifierUnknown, time_us);
-  if (sdo::address_of(answer) != active_->address) return abort(AbortCode::kGeneralError, time_us);
   if (!reads) {
     segmented_ = active_->data.size() > 4;
     return segmented_ ? send_segment(time_us) : end(AbortCode::kNone, time_us);

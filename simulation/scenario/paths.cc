@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <fstream>
 #include <optional>
+#include <regex>
 #include <set>
 #include <span>
 #include <system_error>
@@ -177,6 +179,29 @@ std::string expected_text(const std::string& noun, const std::string& name,
                    expected_text(noun, name.string(), names));
 }
 
+// A file in the folder of a robot's file or a subfolder of it, with or without its extension; empty without
+// one.
+fs::path file_of_robot(const fs::path& robot, const fs::path& subfolder, const fs::path& name) {
+  for (const fs::path& inner : {fs::path(), subfolder}) {
+    for (const char* suffix : {"", ".yaml"}) {
+      const fs::path file = (robot.parent_path() / inner / (name.string() + suffix)).lexically_normal();
+      if (is_file(file)) return file;
+    }
+  }
+  return {};
+}
+
+// The name of the first <model> in a robot's file; empty if there is none.
+std::string model_name(const fs::path& robot) {
+  std::ifstream file(robot);
+  std::string text(64 * 1024, '\0');  // it is near the beginning
+  text.resize(
+      static_cast<std::size_t>(file.read(text.data(), static_cast<std::streamsize>(text.size())).gcount()));
+  std::smatch found;
+  static const std::regex kModel("<model\\s+name\\s*=\\s*[\"']([^\"'<>]*)[\"']");
+  return std::regex_search(text, found, kModel) ? found[1].str() : std::string();
+}
+
 fs::path find_named_motion(const fs::path& robot, const fs::path& name) {
   const fs::path folder = robot.parent_path() / "motions";
   const fs::path file = folder / (name.extension() == ".yaml" ? name : fs::path(name.string() + ".yaml"));
@@ -272,12 +297,12 @@ fs::path read_robot_file(const YamlValue& value, const fs::path& folder, const f
                          const fs::path& subfolder) {
   const fs::path given = value.text();
   if (!find_referenced(folder, given).empty()) return read_path(value, folder);
-  for (const fs::path& inner : {fs::path(), subfolder}) {
-    for (const char* suffix : {"", ".yaml"}) {
-      const fs::path file = (robot.parent_path() / inner / (given.string() + suffix)).lexically_normal();
-      if (is_file(file)) return file;
-    }
-  }
+  if (fs::path file = file_of_robot(robot, subfolder, given); !file.empty()) return file;
+  // A copy of robot.sdf alone is still the robot of its name.
+  const fs::path namesake =
+      find_named(place_of(InputKind::kRobot), searched_folders(folder), model_name(robot));
+  if (fs::path file = file_of_robot(namesake, subfolder, given); !namesake.empty() && !file.empty())
+    return file;
   throw value.error(
       "no file " + one_line(value.text()),
       "a path relative to the scenario's folder, to the repository's root or to the robot's folder");

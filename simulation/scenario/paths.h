@@ -59,7 +59,8 @@ enum class InputKind { kScenario, kRobot, kGait, kStudy };
 // Resolves a value of a file in `folder` that is a path or a name. Throws InputError if neither exists.
 std::filesystem::path read_input(const YamlValue& value, const std::filesystem::path& folder, InputKind kind);
 // The same for a file that belongs to a robot: a path as read_path() resolves it, or relative to the folder
-// of the robot's file or a subfolder of it. The extension .yaml may be left out there.
+// of the robot's file or a subfolder of it, or to that of the robot of the same name that find_input() knows.
+// The extension .yaml may be left out there.
 std::filesystem::path read_robot_file(const YamlValue& value, const std::filesystem::path& folder,
                                       const std::filesystem::path& robot,
                                       const std::filesystem::path& subfolder = {});

@@ -66,6 +66,12 @@ class Names(unittest.TestCase):
         self.assertNotEqual(results["folder"], results["own"])
         self.accept("motion", "play", "robots/koboshi/motions/bow.yaml", "--robot", robots / "koboshi", "--record", "no", "--set",
                     "noise=false")
+        # A copy of the robot's file alone has the motions of the robot of its name.
+        alone = self.here / "alone"
+        alone.mkdir()
+        shutil.copy(file, alone)
+        (alone / "meshes").symlink_to(support.ROOT / "robots" / "koboshi" / "meshes")
+        self.accept("run", "go", "--robot", alone, "--out", "alone_run", *short)
         result = self.run_program("run", "squat", "--robot", "kobushi")
         self.assertEqual(2, result.returncode)
         self.assertRegex(result.stderr, "^kobushi: found no such file, and no robot of this name in .*, "

@@ -128,17 +128,31 @@ TEST_F(ObjectAccessTest, AbortsAfterTheTimeOutAndGoesOn) {
   EXPECT_EQ(access.take_answers().at(0).abort, AbortCode::kTimedOut);
 }
 
-TEST_F(ObjectAccessTest, RefusesAnswersThatBreakTheProtocol) {
-  const sdo::Data wrong[] = {
-      sdo::message(sdo::kInitiateDownloadResponse, kObject, 0),                        // of a write
-      sdo::message(sdo::expedited(sdo::kInitiateUploadResponse, 1), {0x2102, 3}, 0)};  // of another object
-  for (const sdo::Data& data : wrong) {
-    access.request({.number = 1, .node_id = kController, .address = kObject});
-    access.process(0);
-    access.on_frame(answer(0x581, data), 1);
-    EXPECT_NE(access.take_answers().at(0).abort, AbortCode::kNone);
-    EXPECT_EQ(sent.frames.back().data[0], sdo::kAbort);
-  }
+TEST_F(ObjectAccessTest, RefusesAnAnswerThatBreaksTheProtocol) {
+  access.request({.number = 1, .node_id = kController, .address = kObject});
+  access.process(0);
+  access.on_frame(answer(0x581, sdo::message(sdo::kInitiateDownloadResponse, kObject, 0)), 1);  // of a write
+  EXPECT_NE(access.take_answers().at(0).abort, AbortCode::kNone);
+  EXPECT_EQ(sent.frames.back().data[0], sdo::kAbort);
+}
+
+// Another client may use the channel, too: a master that reads the controller's faults.
+TEST_F(ObjectAccessTest, SkipsAnswersAboutOtherObjects) {
+  constexpr canopen::ObjectAddress kOther{0x2102, 3};
+  access.request({.number = 1, .node_id = kController, .address = kObject});
+  access.process(0);
+  for (const sdo::Data& data :
+       {sdo::message(sdo::expedited(sdo::kInitiateUploadResponse, 1), kOther, 0),
+        sdo::message(sdo::kAbort, kOther, static_cast<std::uint32_t>(AbortCode::kObjectDoesNotExist)),
+        sdo::Data{0x20}})
+    EXPECT_FALSE(access.on_frame(answer(0x581, data), 1));
+  EXPECT_TRUE(access.busy());
+  EXPECT_TRUE(access.on_frame(
+      answer(0x581, sdo::message(sdo::expedited(sdo::kInitiateUploadResponse, 1), kObject, 7)), 2));
+  const auto answers = access.take_answers();
+  ASSERT_EQ(answers.size(), 1u);
+  EXPECT_EQ(answers[0].abort, AbortCode::kNone);
+  EXPECT_EQ(answers[0].data, std::vector<std::uint8_t>{7});
 }
 
 TEST_F(ObjectAccessTest, EndsAnUploadThatNeverEnds) {
