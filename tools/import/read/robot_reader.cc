@@ -1,5 +1,9 @@
 #include "tools/import/read/robot_reader.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <string>
+
 #include "base/text/error.h"
 #include "base/text/foreign_text.h"
 #include "base/text/text.h"
@@ -9,18 +13,31 @@
 #include "tools/import/read/urdf_reader.h"
 
 namespace koboshi::tools {
+namespace {
+
+// A file that xacro has still to expand, whatever its name. Expanded ones keep only the declaration of its
+// namespace.
+[[noreturn]] void refuse_xacro(const std::filesystem::path& file, int line) {
+  const bool by_name = extension_of(file) == ".xacro";
+  std::filesystem::path urdf = by_name ? std::filesystem::path(file).replace_extension("")
+                                       : file.parent_path() / (file.stem().string() + "_expanded.urdf");
+  if (urdf.extension() != ".urdf") urdf += ".urdf";
+  throw InputError(file, line, "a file for xacro",
+                   "a URDF; expand it with: xacro " + file.string() + " > " + urdf.string());
+}
+
+}  // namespace
 
 ImportedRobot read_foreign_robot(const std::filesystem::path& file, ImportReport& report) {
-  if (extension_of(file) == ".xacro") {
-    const std::string urdf = std::filesystem::path(file).replace_extension("").string();
-    throw InputError(file, 0, "a file for xacro",
-                     "a URDF; expand it with: xacro " + file.string() + " > " +
-                         (urdf.ends_with(".urdf") ? urdf : urdf + ".urdf"));
-  }
+  if (extension_of(file) == ".xacro") refuse_xacro(file, 0);
   const std::string text = with_line_feeds(read_text_file(file, "a URDF, SDF or MJCF file"));
   const std::string root = xml_root_name(file);
   ImportedRobot robot;
   if (root == "robot") {
+    if (const auto at = text.find("<xacro:"); at != std::string::npos)
+      refuse_xacro(file, static_cast<int>(
+                             std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n')) +
+                             1);
     robot = read_urdf(file, text, report);
   } else if (root == "sdf") {
     robot = read_sdf(file, text, report);

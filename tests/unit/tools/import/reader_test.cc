@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "base/text/error.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/tools/import/kit_robot.h"
 #include "tools/import/read/mjcf_reader.h"
 #include "tools/import/read/robot_reader.h"
@@ -166,6 +167,26 @@ TEST(RobotReader, SaysHowToExpandXacro) {
     EXPECT_STREQ(error.what(),
                  "robot.urdf.xacro: found a file for xacro, expected a URDF; expand it with: xacro "
                  "robot.urdf.xacro > robot.urdf");
+  }
+}
+
+// A macro in a file of another name; an expanded file keeps the declaration of the namespace.
+TEST(RobotReader, FindsXacroInAFileOfAnyName) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path / "kit.urdf";
+  const std::string head = "<robot name='kit' xmlns:xacro='http://www.ros.org/wiki/xacro'>\n";
+  ImportReport report;
+  test::write_file(file, head + "<link name='a'/>\n</robot>\n");
+  EXPECT_EQ(read_foreign_robot(file, report).links.size(), 1u);
+  test::write_file(file, head + "<link name='a'/>\n<xacro:leg side='left'/>\n</robot>\n");
+  try {
+    static_cast<void>(read_foreign_robot(file, report));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.line(), 3);
+    EXPECT_EQ(error.found(), "a file for xacro");
+    EXPECT_EQ(error.expected(), "a URDF; expand it with: xacro " + file.string() + " > " +
+                                    (folder.path / "kit_expanded.urdf").string());
   }
 }
 
