@@ -1,0 +1,70 @@
+"""`koboshi model import` from outside: the default robot, imported from its own file, still walks."""
+
+import filecmp
+import shutil
+import unittest
+
+import program as support
+
+PROGRAM = None
+ROBOT = support.ROOT / "robots" / "koboshi"
+
+
+class ModelImport(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = support.temporary_folder(cls)
+        source = cls.folder / "source"
+        source.mkdir()
+        shutil.copy(ROBOT / "robot.sdf", source / "kit.sdf")
+        (source / "meshes").symlink_to(ROBOT / "meshes")
+        (cls.folder / "servos").symlink_to(ROBOT.parent / "servos")
+        cls.source = source / "kit.sdf"
+        cls.robot = cls.folder / "robots" / "kit"
+        cls.first = PROGRAM.run("model", "import", cls.source, "-o", cls.robot)
+
+    def test_says_what_it_wrote(self):
+        self.assertEqual(self.first.returncode, 0, self.first.stderr)
+        self.assertIn(f"{self.robot}/robot.sdf: 21 links, 20 joints", self.first.stdout + self.first.stderr)
+        self.assertEqual({path.name for path in self.robot.iterdir()} & {"robot.sdf", "import.yaml", "import.md", "meshes"},
+                         {"robot.sdf", "import.yaml", "import.md", "meshes"})
+
+    def test_gives_a_robot_without_errors_that_walks(self):
+        check = PROGRAM.run("model", "check", self.robot)
+        self.assertNotIn("error[", check.stdout)
+        run = PROGRAM.run("run", "walk", "--robot", self.robot, "--duration", "8", "--record", "no", "--out", self.folder / "run")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("did not fall; 0 faults", run.stdout)
+
+    def test_repeats_itself_from_its_decisions(self):
+        kept = self.folder / "kept"
+        shutil.copytree(self.robot, kept)
+        again = PROGRAM.run("model", "import", self.source, "-o", self.robot)
+        self.assertEqual(again.returncode, 0, again.stderr)
+        names = [str(path.relative_to(kept)) for path in kept.rglob("*") if path.is_file()]
+        self.assertEqual(filecmp.cmpfiles(kept, self.robot, names, shallow=False)[1:], ([], []))
+
+    def test_obeys_an_edited_decision(self):
+        edited = self.folder / "robots" / "edited"
+        shutil.copytree(self.robot, edited)
+        decisions = edited / "import.yaml"
+        text = decisions.read_text()
+        self.assertIn("  name: koboshi\n", text)
+        decisions.write_text(text.replace("  name: koboshi\n", "  name: kit\n"))
+        self.assertEqual(PROGRAM.run("model", "import", self.source, "-o", edited).returncode, 0)
+        self.assertIn('<model name="kit"', (edited / "robot.sdf").read_text())
+
+    def test_refuses_bad_input_in_one_line_and_leaves_no_folder(self):
+        for source, expected in {"nosuch.urdf": "no such file", self.folder: "a folder", ROBOT / "meshes": "a folder"}.items():
+            with self.subTest(source):
+                out = self.folder / "refused"
+                result = PROGRAM.run("model", "import", source, "-o", out)
+                self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+                self.assertIn(expected, result.stderr)
+                self.assertFalse(out.exists())
+
+
+if __name__ == "__main__":
+    PROGRAM = support.take_program_argument()
+    unittest.main()
