@@ -191,7 +191,7 @@ and for a file, either is an interruption, with status 130 or 143.
   command->add_option(
       "--robot", arguments->robot,
       "Robot that names the PDOs (default: Koboshi, from the repository of this folder or of the program)");
-  command->add_option("--count", arguments->count, "Stop after this many frames");
+  command->add_option("--count", arguments->count, "Stop after this many frames")->check(CLI::PositiveNumber);
   add_can_options(*command, arguments->can, log);
   command->callback([arguments] { dump(*arguments); });
 }

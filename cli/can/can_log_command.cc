@@ -47,7 +47,10 @@ void show_statistics(const CanStatisticsArguments& arguments) {
   for (std::uint64_t last_us = 0; !(signal = interrupt.requested());) {
     if (opened.source->is_live() && last_us >= end_us) break;
     const auto timed = opened.source->next(end_us - std::min(last_us, end_us));
-    if (!timed) break;
+    if (!timed) {  // the end, or a signal ended the wait
+      signal = interrupt.requested();
+      break;
+    }
     last_us = timed->time_us;
     buses[timed->interface].add(*timed);
     ++frames;
@@ -169,13 +172,15 @@ void write_export(const CanExportArguments& arguments) {
   file.write(is_csv ? csv_head() : AscWriter::head());
   std::uint64_t frames = 0;
   std::uint64_t omitted = 0;
-  while (const auto timed = opened.source->next(0)) {
+  for (;;) {
+    const auto timed = opened.source->next(0);
+    if (const auto signal = interrupt.requested())
+      throw Interrupted(*signal, fmt::format("interrupted after {}", count_text(frames, "frame")));
+    if (!timed) break;
     const std::string line =
         is_csv ? csv_row(*timed, frame_description(timed->frame, network)) : asc.line(*timed);
     ++(line.empty() ? omitted : frames);
     file.write(line);
-    if (const auto signal = interrupt.requested())
-      throw Interrupted(*signal, fmt::format("interrupted after {}", count_text(frames, "frame")));
   }
   file.close();
   fmt::print("{} in {}\n", count_text(frames, "frame"), arguments.out.string());

@@ -5,8 +5,8 @@
 namespace koboshi::behaviour {
 
 bool RestDetector::update(const Rates& rates) {
-  const bool slow =
-      fixed::abs(rates.x) < kStillRate && fixed::abs(rates.y) < kStillRate && fixed::abs(rates.z) < kStillRate;
+  const bool slow = fixed::abs(rates.x) < kStillRate && fixed::abs(rates.y) < kStillRate &&
+                    fixed::abs(rates.z) < kStillRate;
   return slow_.update(slow, kCycles);
 }
 

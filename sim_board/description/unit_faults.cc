@@ -24,6 +24,13 @@ constexpr double kMaxAngle_rad = 2.0 * std::numbers::pi;
 // 573 revolutions per minute. The fastest servos and actuators of legged robots reach 40 rad/s.
 constexpr double kMaxSpeed_rad_per_s = 60.0;
 
+// The limit of protective extra-low voltage, DC (IEC 61140).
+constexpr double kMaxSupply_V = 120.0;
+constexpr double kMaxMotorTime_s = 1.0;
+// Gyroscopes of the MPU-6050 class have 20 deg/s, accelerometers 0.05 g.
+constexpr double kMaxGyroBias_rad_per_s = 1.75;
+constexpr double kMaxAccelerometerBias_m_per_s2 = 4.9;
+
 Eigen::Isometry3d pose_of(const XmlNode& node) {
   const auto pose = node.find("pose");
   if (!pose) return Eigen::Isometry3d::Identity();
@@ -112,6 +119,36 @@ void check_joint(const XmlNode& joint, UnitCheck& check) {
   check.check(speed, speed.numbers(), "rad/s", "the speed of " + name, kMaxSpeed_rad_per_s, "a fast servo");
 }
 
+// Limits of a servo, from its own motor where that says more than a number.
+void check_servo(const XmlNode& type, UnitCheck& check) {
+  const std::string name = type.attribute("name");
+  const auto one = [&](const char* key, const char* unit, double limit, const char* why) {
+    const XmlNode node = type.child(key);
+    check.check(node, node.numbers(), unit, std::string(key) + " of " + name, limit, why);
+  };
+  const double torque_constant = type.number("torque_constant_Nm_per_A");
+  const double resistance_ohm = type.number("resistance_ohm");
+  one("supply_V", "V", kMaxSupply_V, "a low voltage");
+  one("full_voltage_error_rad", "rad", 0.5 * std::numbers::pi, "a quarter of a turn");
+  one("coulomb_friction_Nm", "N m", torque_constant * type.number("supply_V") / resistance_ohm,
+      "its stall torque");
+  // Without load the motor reaches its speed within its time constant J R / k^2.
+  one("rotor_inertia_kg_m2", "kg m^2", kMaxMotorTime_s * torque_constant * torque_constant / resistance_ohm,
+      "a motor that takes a second to its speed");
+}
+
+void check_sensor(const XmlNode& sensor, const std::string& owner, UnitCheck& check) {
+  const auto bias = [&](const char* channel, const char* unit, double limit, const char* why) {
+    const auto node = sensor.find(channel);
+    if (!node) return;
+    const XmlNode value = node->child("bias");
+    check.check(value, value.numbers(), unit, "the bias of " + sensor.attribute("name") + " of " + owner,
+                limit, why);
+  };
+  bias("koboshi:gyro", "rad/s", kMaxGyroBias_rad_per_s, "five times that of a cheap gyroscope");
+  bias("koboshi:accelerometer", "m/s^2", kMaxAccelerometerBias_m_per_s2, "half of gravity");
+}
+
 // A moment of inertia whose radius of gyration is longer than the robot.
 void check_inertia(const XmlNode& link, double reach_m, UnitCheck& check) {
   const XmlNode inertial = link.child("inertial");
@@ -147,6 +184,12 @@ void find_unit_faults(const XmlNode& model, FaultList& faults) {
     for (const char* part : {"collision", "visual", "sensor"})
       for (const XmlNode& node : link.children(part))
         check_pose(node, node.attribute("name") + " of " + name, reach_m, check);
+    for (const XmlNode& node : link.children("sensor")) check_sensor(node, name, check);
+  }
+  for (const XmlNode& type : faults.sound_children(model, "koboshi:servo_type")) check_servo(type, check);
+  if (const auto battery = model.find("koboshi:battery")) {
+    check.check(*battery, {battery->attribute_number("open_circuit_V", 0.0)}, "V", "the battery",
+                kMaxSupply_V, "a low voltage");
   }
   for (const XmlNode& joint : faults.sound_children(model, "joint")) {
     check_pose(joint, joint.attribute("name"), reach_m, check);

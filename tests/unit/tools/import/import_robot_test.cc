@@ -119,7 +119,7 @@ TEST_F(ImportRobot, LetsArmsHang) {
 // The shaft keeps the direction of the source, the joint gets that of the firmware.
 TEST_F(ImportRobot, TurnsJointsInTheFirmwaresDirection) {
   const sim_board::RobotDescription robot = load(import({.left_knee_sign = -1}));
-  const sim_board::JointDescription& knee = joint(robot, "left_knee");
+  const sim_board::JointDescription knee = joint(robot, "left_knee");
   EXPECT_EQ(knee.axis_M, Eigen::Vector3d::UnitY());
   EXPECT_EQ(knee.drive.sign, -1);
   EXPECT_NEAR(knee.lower_rad, 0.0, 1e-6);
