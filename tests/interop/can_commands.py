@@ -137,6 +137,25 @@ class Logs(Files):
             dump.send_signal(signal.SIGTERM)
             self.assertEqual(dump.wait(PATIENCE_S), 0)
 
+    def test_statistics_and_tables_of_a_pipe_end_by_a_signal(self):
+        cases = {"stats": ((), 0, "1 frame in", ""),
+                 "export": (("--out", self.folder / "cut.csv"), 128 + signal.SIGINT, "", "interrupted after 1 frame\n")}
+        for command, (options, status, shown, said) in cases.items():
+            with self.subTest(command):
+                fifo = self.folder / f"{command}.fifo"
+                os.mkfifo(fifo)
+                process = self.start("can", command, fifo, *options)
+                with open(fifo, "w") as writer:  # once the program has opened it, it holds signals back
+                    writer.write("(000.000000) can0 080#\n")
+                    writer.flush()
+                    time.sleep(0.5)
+                    process.send_signal(signal.SIGINT)
+                    output, errors = process.communicate(timeout=PATIENCE_S)
+                self.assertEqual(process.returncode, status, errors)
+                self.assertIn(shown, output)
+                self.assertIn(said, errors)
+        self.assertEqual(len((self.folder / "cut.csv").read_text().splitlines()), 2)  # the rows so far
+
     def test_asc2log_gives_the_exported_log_again(self):
         frames = [line for line in REAL_LOG.splitlines() if line.startswith("(") and "#" in line and "20000004" not in line]
         log = self.write("whole.log", "\n".join(frames) + "\n")

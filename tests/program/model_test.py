@@ -81,7 +81,14 @@ class ModelEdit(unittest.TestCase):
                      "left_shank.position=0 0 -65": "0 0 -65 m for the position of left_shank, .*; did you mean 0 0 -65 mm[?]",
                      "left_foot.size=110 70 12": "left_foot[.a-z]*size = 110 70 12, .*; did you mean 110 70 12 mm[?]",
                      "left_shank.rotation=0 90 0": "0 90 0 rad for the rotation of left_shank, .*; did you mean 0 90 0 deg[?]",
-                     "left_shank.ixx=121": "121 kg m.2 for ixx of left_shank, .*; did you mean 121 g cm.2[?]"}
+                     "left_shank.ixx=121": "121 kg m.2 for ixx of left_shank, .*; did you mean 121 g cm.2[?]",
+                     "krs_2552.full_voltage_error_rad=7": "7 rad for full_voltage_error_rad of krs_2552, .*; did you mean 7 deg[?]",
+                     "krs_2552.coulomb_friction_Nm=27.5": "27.5 N m for coulomb_friction_Nm of krs_2552, .*stall torque.*",
+                     "krs_2552.rotor_inertia_kg_m2=1.16": "1.16 kg m.2 for rotor_inertia_kg_m2 of krs_2552, .*",
+                     "krs_2552.supply_V=430": "430 V for supply_V of krs_2552, expected at most 120 V .*",
+                     "battery.open_circuit_V=435": "435 V for the battery, expected at most 120 V .*",
+                     "trunk.gyro.bias=20": "20 rad/s for the bias of imu of trunk, .*; did you mean 20 deg/s[?]",
+                     "trunk.accelerometer.bias=490": "490 m/s.2 for the bias of imu of trunk, .*"}
         for word, question in questions.items():
             with self.subTest(word):
                 result = PROGRAM.run("model", "set", self.file, word)
