@@ -43,7 +43,11 @@ std::vector<Override> overrides_of(std::span<const std::string> sets, const std:
 }
 
 void add_robot_option(CLI::App& command, std::string& robot) {
-  command.add_option("--robot", robot, "A robot's folder, file or name instead of the scenario's robot");
+  const auto is_given = [](const std::string& value) {
+    return value.find_first_not_of(' ') == std::string::npos ? "found an empty name, expected a robot" : "";
+  };
+  command.add_option("--robot", robot, "A robot's folder, file or name instead of the scenario's robot")
+      ->check(is_given);
 }
 
 void add_can_options(CLI::App& command, CanOptions& options, CLI::Option* log) {

@@ -363,16 +363,16 @@ PYBIND11_MODULE(koboshi, module) {
       "Invalid file or value: file, line, what was found and what was expected.";
   // Bad arguments and files that cannot be opened are input errors, too.
   py::register_exception_translator([](std::exception_ptr pointer) {
-    const auto raise = [](const std::exception& error) {
+    const auto raise = [](const std::string& text) {
       const py::object type = py::module_::import("koboshi").attr("InputError");
-      PyErr_SetString(type.ptr(), utf8_text(error.what()).c_str());
+      PyErr_SetString(type.ptr(), utf8_text(text).c_str());
     };
     try {
       std::rethrow_exception(pointer);
     } catch (const std::invalid_argument& error) {
-      raise(error);
+      raise(error.what());
     } catch (const std::filesystem::filesystem_error& error) {
-      raise(error);
+      raise("cannot use " + error.path1().string() + ": " + error.code().message());
     }
   });
   py::register_exception<sim_board::WorldBlewUp>(module, "WorldBlewUp", PyExc_RuntimeError).doc() =

@@ -54,7 +54,9 @@ int exit_status_of(const std::string& name, std::span<char* const> arguments,
   } catch (const WriteError& error) {
     return reported(name, error, kBadInput);
   } catch (const std::filesystem::filesystem_error& error) {
-    return reported(name, error, kBadInput);
+    // Without the library's words around them.
+    print_error("{}: cannot use {}: {}\n", name, utf8_text(error.path1().string()), error.code().message());
+    return kBadInput;
   } catch (const Interrupted& interrupted) {
     return reported(name, interrupted, kSignalled + interrupted.signal());
   } catch (const std::invalid_argument& error) {
