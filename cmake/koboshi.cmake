@@ -33,7 +33,7 @@ target_compile_options(koboshi_firmware_options INTERFACE ${KOBOSHI_FIRMWARE_FLA
 # Options for code outside of a run's loop, which reads, writes and computes tables: it compiles in three quarters of the time.
 set(KOBOSHI_LIGHT_OPTIONS $<$<CONFIG:Release>:-O1>)
 
-# Options for tests. They spend their time in the code under test, which has its own options, and compile in half of the time.
+# Options for tests. Most spend their time in the code under test, which has its own options, and compile in half of the time.
 set(KOBOSHI_TEST_OPTIONS $<$<CONFIG:Release>:-O0>)
 
 # koboshi_library(NAME [FIRMWARE] [OBJECT] [SOURCES ...] [DEPS ...]) defines koboshi::NAME: a static library, with OBJECT an
@@ -64,13 +64,14 @@ function(koboshi_library name)
   endif()
 endfunction()
 
-# koboshi_test(NAME LABEL label [TOGETHER] SOURCES ... [DEPS ...]) defines a GoogleTest program. ctest runs its cases
-# under the label; with TOGETHER as one test, for short cases whose common set-up would take most of the time.
+# koboshi_test(NAME LABEL label [TOGETHER] [COMPUTES] SOURCES ... [DEPS ...]) defines a GoogleTest program. ctest runs its
+# cases under the label; with TOGETHER as one test, for short cases whose common set-up would take most of the time.
+# COMPUTES optimises a program that spends much time in its own code.
 function(koboshi_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "TOGETHER" "LABEL" "SOURCES;DEPS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "TOGETHER;COMPUTES" "LABEL" "SOURCES;DEPS")
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE koboshi_options ${arg_DEPS} GTest::gtest GTest::gmock GTest::gtest_main)
-  target_compile_options(${name} PRIVATE ${KOBOSHI_TEST_OPTIONS})
+  target_compile_options(${name} PRIVATE $<IF:$<BOOL:${arg_COMPUTES}>,${KOBOSHI_LIGHT_OPTIONS},${KOBOSHI_TEST_OPTIONS}>)
   target_compile_definitions(${name} PRIVATE KOBOSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                              KOBOSHI_BINARY_DIR="${PROJECT_BINARY_DIR}")
   if(arg_TOGETHER)
