@@ -99,6 +99,16 @@ TEST_F(MotionTest, ReopensAnImageWithTheFindingsOfItsValidation) {
   }
 }
 
+TEST_F(MotionTest, ClaimsTheJointsOfPosesMixesAndStiffness) {
+  MotionBuilder claims = builder();
+  claims.step(Stiffness{.joints = 1u << 5 | 1u << 19}.step()).step(Stiffness{.joints = 1u << 6}.step());
+  claims.step(Mix{.source = MixSource::kPitch, .joint = 7, .gain = 100}.step()).step(kEnd);
+  const std::vector<std::byte> image = claims.image();
+  Motion motion;
+  ASSERT_TRUE(Motion::open(image, model_, motion).ok());
+  EXPECT_EQ(motion.claimed_joints(), 1u << 3 | 1u << 5 | 1u << 6 | 1u << 7 | 1u << 18 | 1u << 19);
+}
+
 TEST_F(MotionTest, IsEmptyUntilOpened) {
   EXPECT_EQ(Motion().name(), "");
   EXPECT_EQ(Motion().image_size_bytes(), 0u);
