@@ -204,6 +204,29 @@ TEST_F(MotionTest, ReportsTheIndexOfABadPoseOrStep) {
   EXPECT_EQ(open(builder().step(kWait, 0, 1'000).step(kMove, 7, 1'000).step(kEnd).image()).index, 1);
 }
 
+// The index is that of the step that the author of the motion has to change.
+TEST_F(MotionTest, ReportsTheStepThatBreaksTheFlow) {
+  const auto index_of = [this](const std::vector<Step>& steps, MotionStatus expected) {
+    MotionBuilder with_steps = builder();
+    with_steps.steps = steps;
+    const MotionVerdict verdict = open(with_steps.image());
+    EXPECT_EQ(verdict.status, expected);
+    return verdict.index;
+  };
+  const Step test = motion::Test{{Source::kTime}, Comparison::kGreater, false, 5}.step();
+  EXPECT_EQ(index_of({kWaitStep, kMoveStep}, kNoEnd), 1);
+  EXPECT_EQ(index_of({kWaitStep, loop(2), kWaitStep, kEndStep}, kBadLoop), 1);
+  EXPECT_EQ(index_of({kWaitStep, loop(2), loop(2), kWaitStep, kEndStep}, kBadLoop), 2);
+  EXPECT_EQ(index_of({kWaitStep, kWaitStep, loop_end(0), kEndStep}, kBadLoop), 2);
+  EXPECT_EQ(index_of({kWaitStep, jump(9), kEndStep}, kBadJump), 1);
+  EXPECT_EQ(index_of({kWaitStep, jump(1), kEndStep}, kTakesNoTime), 1);
+  EXPECT_EQ(index_of({kWaitStep, test, kEndStep}, kBadTest), 1);
+  EXPECT_EQ(index_of({kWaitStep, Condition{}.branch(4), kWaitStep, kEndStep, kEndStep}, kBadTest), 2);
+  EXPECT_EQ(index_of({kWaitStep, {kCall, 0}, kEndStep}, kBadRoutine), 1);
+  EXPECT_EQ(index_of({kWaitStep, {kReturn}, kEndStep}, kBadRoutine), 1);
+  EXPECT_EQ(index_of({kWaitStep, {kCall, 3}, kEndStep, kWaitStep, kWaitStep}, kBadRoutine), 4);
+}
+
 TEST_F(MotionTest, RefusesBadSteps) {
   for (const int beyond : {1, 2, 100}) {
     const auto opcode = static_cast<Opcode>(static_cast<int>(kLastOpcode) + beyond);

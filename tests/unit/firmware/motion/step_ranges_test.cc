@@ -244,6 +244,7 @@ TEST_F(StepRanges, OfNames) {
 }
 
 TEST_F(StepRanges, OfCounts) {
+  EXPECT_EQ(status(MotionBuilder(model_)), kBadCount);  // the smallest image that has all counts
   MotionBuilder variables = builder().step(kEnd);
   variables.variable_count = kMaxVariables;
   EXPECT_EQ(status(variables), kOk);
