@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kOperatorFifo = 64;
 
-// What the operator's PC hears: the answers to its requests, and the commands of other operators.
+// The operator's PC hears the answers to its requests, and the commands of other operators.
 AcceptanceFilter operators_frames() {
   AcceptanceFilter filter{kCommandIdentifier, kVelocityIdentifier};
   filter.accept_range(canopen::kSdoResponseBase + 1, canopen::kSdoResponseBase + 127);

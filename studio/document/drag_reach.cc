@@ -17,7 +17,7 @@ using robot::JointRole;
 
 // Length by which a rotation counts as a distance: that of a foot.
 constexpr double kLever_m = 0.1;
-// What has to be kept is kept if it misses less than this; the tests ask for twice as much.
+// Error below which a constraint counts as kept; the tests ask for twice as much.
 constexpr double kKept_m = 5e-5;
 // A pose that another start finds has to be nearer by this, so that the branch does not change in a drag.
 constexpr double kNearer_m = 2e-4;

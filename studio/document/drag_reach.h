@@ -15,7 +15,7 @@ namespace koboshi::studio {
 
 // The reach of a drag: the pose within the joint limits that is nearest to a target out of reach.
 //
-// Of a hand, the grabbed point comes as near to its target as it can. A foot or the trunk that is moved keeps
+// The grabbed point of a hand comes as near to its target as it can. A foot or the trunk that is moved keeps
 // its orientation, and its grabbed point comes as near as it then can; one that is rotated keeps the grabbed
 // point, and turns as far as it then can. While the trunk moves over both feet, the soles stay where they are
 // relative to each other.
@@ -34,7 +34,7 @@ class DragReach {
   [[nodiscard]] std::vector<double> nearest(const Eigen::Vector3d& displacement_B_m,
                                             const Eigen::Vector3d& rotation_B_rad,
                                             std::span<const double> from) const;
-  // What is left of the way of the grabbed point, or of a rotation; the other one is 0.
+  // The remaining distance of the grabbed point, or angle of a rotation; the other one is 0.
   struct Missing {
     double m = 0.0;
     double rad = 0.0;

@@ -72,9 +72,9 @@ class MotionDocument final : public TextDocument {
   const MotionRobot& robot() const { return *robot_; }
   const std::string& text() const override { return text_; }
 
-  // What the present text means. Pointers and references are valid until the next change.
+  // The meaning of the present text. Pointers and references are valid until the next change.
   const YamlNode* tree() const;  // nullptr: no YAML
-  // What the compiler understood; nullptr after too many errors.
+  // The source as the compiler understood it; nullptr after too many errors.
   const simulation::MotionSource* source() const;
   const simulation::CompiledMotion* compiled() const;  // nullptr: errors
   const std::vector<simulation::Diagnostic>& diagnostics() const { return diagnostics_; }

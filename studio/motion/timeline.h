@@ -25,7 +25,7 @@ class Timeline final : public QAbstractScrollArea {
   // Multiplies the scale, around the current step if it is in view.
   void zoom(double factor);
   void fit();
-  // What is said about this place of the viewport.
+  // The tooltip of this place of the viewport.
   QString tip_at(QPointF point) const;
   // Where the pose of a move is reached, or a step ends, in the viewport.
   QPointF key_point(std::size_t row) const;
@@ -51,7 +51,7 @@ class Timeline final : public QAbstractScrollArea {
   // Vertical positions in the viewport.
   struct Lanes {
     int arrows, steps, otherwise, margin, curves, end;
-    // Of the steps in as many `else`.
+    // The middle of the steps in as many `else`.
     int middle_of(int else_depth) const;
   };
 

@@ -46,7 +46,7 @@ RobotView::RobotView(QWidget* parent) : QWidget(parent), resolution_(kFrame_s) {
   picture_.camera.elevation_rad = 14.0 * kRadPerDegree;
 }
 
-// What OpenGL has made goes while its context is current.
+// Objects of OpenGL must be destroyed while its context is current.
 RobotView::~RobotView() {
   try {
     if (gl_) gl_->make_current();

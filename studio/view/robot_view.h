@@ -91,7 +91,7 @@ class RobotView final : public QWidget {
   // The posable link, and the arrow or ring, under a place of the widget.
   std::optional<Hit> posable_at(const QPointF& place) const;
   std::optional<Handle> gizmo_handle_at(const QPointF& place) const;
-  // What a press at a place of the widget grabs: the handle under it, else the posable link under it, else
+  // The thing that a press in the widget grabs: the handle under it, else the posable link under it, else
   // the nearest of both within kNear_px. Nothing of both: none.
   struct Grabbed {
     std::optional<Handle> handle = {};

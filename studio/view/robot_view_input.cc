@@ -13,7 +13,7 @@
 #include "base/text/user_units.h"
 #include "studio/view/robot_view.h"
 
-// What mouse and keyboard do in the view, and what is under the mouse.
+// Mouse and keyboard in the view, and the thing under the mouse.
 namespace koboshi::studio {
 namespace {
 

@@ -1,4 +1,4 @@
-// What the model editor needs of the view.
+// The part of the view for the model editor.
 
 #include <QApplication>
 #include <utility>

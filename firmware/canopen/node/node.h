@@ -155,7 +155,7 @@ struct NodeDescription {
   std::uint8_t watched_tpdos = 255;
 };
 
-// What distinguishes one node of a kind.
+// The properties that distinguish one node of a kind from the others.
 struct NodeInstance {
   std::uint8_t node_id = 0;          // 1..127
   std::uint32_t serial_number = 0;   // 0x1018:4

@@ -123,7 +123,7 @@ class JointChain {
   // Values at the beginning of the step:
   Vectors axes_W_{};
   Eigen::Vector3d p_AnchorParentCom_W_ = Eigen::Vector3d::Zero();
-  // Of the last solution:
+  // The last solution:
   std::array<Wrench, kMaxHinges> wrenches_;  // by hinge
   // By link between the hinges: its velocity, as ODE keeps those of its bodies. The velocity that follows
   // from those of the hinges in the pose after the step differs by a term of the order of the step, and so

@@ -220,7 +220,7 @@ class KeysTest final : public KeyboardFixture {
             camera);
     QVERIFY(press("ctrl+z"));
     QVERIFY(time.data().toString() != QStringLiteral("2"));
-    // What is being typed is saved, too.
+    // Saving includes the number that is being typed.
     window_->motion().show_row(0);
     box->setFocus();
     box->selectAll();

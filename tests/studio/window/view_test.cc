@@ -16,7 +16,7 @@
 #include "tests/support/qt_tests.h"
 #include "view/render/playback.h"
 
-// What is seen and done in the view of the window.
+// The view of the window, and the mouse in it.
 namespace koboshi::studio {
 
 using test::kPatience_ms;

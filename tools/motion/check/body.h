@@ -116,7 +116,7 @@ class Body {
   double mass_kg_ = 0.0;
   double com_height_m_ = 0.0;
 
-  // Of the stance being solved.
+  // State of the stance that is being solved.
   LinkPlaces places_;
   std::vector<Eigen::Vector3d> axes_B_, anchors_B_;  // by position in joints_
   std::array<Eigen::Vector3d, 8> corners_B_;

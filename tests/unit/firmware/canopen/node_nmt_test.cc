@@ -21,7 +21,7 @@ std::set<std::uint16_t> identifiers(const TestNode& device) {
   return heard;
 }
 
-// What a node with this id hears after a reset: NMT, SYNC, TIME, two RPDOs, SDO, LSS.
+// The identifiers that a node with this id receives after a reset: NMT, SYNC, TIME, two RPDOs, SDO, LSS.
 const std::set<std::uint16_t> kHeardAfterReset{0x000, 0x080, 0x100, 0x210, 0x310, 0x610, 0x7E5};
 
 TEST(NodeIdentifiers, AreThoseOfTheFramesThatItActsOn) {

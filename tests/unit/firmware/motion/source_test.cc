@@ -17,7 +17,7 @@ using test::MotionBuilder;
 
 class SourceTest : public InterpreterTest {
  protected:
-  // What a program reads into a variable.
+  // The number that a program reads into a variable.
   std::int32_t read(const Inputs& inputs, Source source, std::uint8_t index = 0) {
     const Assignment assignment{.from_source = true, .right = SourceRef{source, index}.packed()};
     MotionBuilder builder(model_);

@@ -84,7 +84,7 @@ TEST_F(StepRanges, OfWaits) {
   EXPECT_EQ(of(with_mode({kWait, 0, kMinStepTime_us}, 1)), kBadOpcode);
 }
 
-// What an opcode does not use is zero.
+// Fields that an opcode does not use are zero.
 TEST_F(StepRanges, OfUnusedFields) {
   for (const Opcode opcode : {kFail, kMixClear}) {
     EXPECT_EQ(of(Step{opcode, 0, 0}), kOk);
