@@ -249,5 +249,15 @@ TEST(NodeNmt, ReportsAnInvalidDescription) {
   EXPECT_EQ(sound.node.errors().error_register(), 0);
 }
 
+TEST(NodeNmt, ReportsAnInvalidRpdoOfItsDescription) {
+  static constexpr PdoConfiguration kImpossible[] = {{.cob_id = 0x200, .mapping = {mapping(0x6041, 0, 16)}},
+                                                     {.cob_id = 0x201, .mapping = {mapping(0x6040, 0, 16)}}};
+  NodeDescription description = kTestDescription;
+  description.rpdos = kImpossible;
+  TestNode device(0x10, description);
+  device.node.start(0);
+  EXPECT_TRUE(device.node.errors().active(error_code::kDataSet));
+}
+
 }  // namespace
 }  // namespace koboshi::canopen
