@@ -136,5 +136,17 @@ TEST_F(TorqueLimitsTest, WantsFullTorqueAfterABoot) {
   EXPECT_TRUE(written().empty());
 }
 
+// A write from before the boot, which no drive will answer, does not hold up the first one after it.
+TEST_F(TorqueLimitsTest, WritesAtOnceAfterAReset) {
+  TorqueLimits limits(model, sink);
+  limits.set(4, 300);
+  limits.process(true, now_us);
+  ASSERT_EQ(can.sent().size(), 1u);
+  limits.reset();
+  limits.set(5, 300);
+  limits.process(true, now_us + 1'000);
+  EXPECT_EQ(can.sent().size(), 2u);
+}
+
 }  // namespace
 }  // namespace koboshi::drive
