@@ -90,5 +90,18 @@ TEST(SurfaceContact, APairConcernsItsTwoMaterialsAlone) {
   }
 }
 
+// A file may give numbers whose spring or damper would have no inverse.
+TEST(SurfaceContact, BoundsWhatHasNoInverse) {
+  const auto with = [](double error_reduction, double constraint_force_mixing) {
+    SurfaceDescription surface = kRubber;
+    surface.error_reduction = error_reduction;
+    surface.constraint_force_mixing = constraint_force_mixing;
+    return contact_between(surface, kWood, kStep_s);
+  };
+  expect_equal(with(0.0, 2e-4), with(1e-6, 2e-4));
+  expect_equal(with(1.0, 2e-4), with(0.999, 2e-4));
+  expect_equal(with(0.3, 0.0), with(0.3, 1e-9));
+}
+
 }  // namespace
 }  // namespace koboshi::sim_board
