@@ -231,6 +231,33 @@ TEST_F(StepRanges, OfExits) {
   for (const int bad : {2, 5, 6, 9, 10}) EXPECT_EQ(of_exit(bad), kBadExit) << bad;
 }
 
+TEST_F(StepRanges, OfTargets) {
+  const auto of_await = [this](std::uint16_t target) {
+    return of({Condition{}.await(target, kMinStepTime_us), kTimeTest.step()});
+  };
+  EXPECT_EQ(of_await(kNoStep), kOk);  // the time-out fails the motion
+  EXPECT_EQ(of_await(2), kOk);
+  EXPECT_EQ(of_await(1), kBadJump);  // a test
+  EXPECT_EQ(of_await(3), kBadJump);  // past the end
+  EXPECT_EQ(of({Condition{}.branch(kNoStep), kTimeTest.step()}), kBadJump);
+  EXPECT_EQ(of(Step{kJump, kNoStep}), kBadJump);
+}
+
+// The index of a bad exit is the exit itself, or 0 if there is no such step.
+TEST_F(StepRanges, ReportTheExit) {
+  for (const std::uint16_t exit : {std::uint16_t{2}, std::uint16_t{9}}) {
+    MotionBuilder exits = builder();
+    exits.step(kWait, 0, kMinStepTime_us).step(kLoopBegin, 2).step(kWait, 0, kMinStepTime_us);
+    exits.step(kLoopEnd, 1).step(kEnd);
+    exits.exit_step = exit;
+    Motion motion;
+    const std::vector<std::byte> image = exits.image();
+    const MotionVerdict verdict = Motion::open(image, model_, motion);
+    EXPECT_EQ(verdict.status, kBadExit);
+    EXPECT_EQ(verdict.index, exit == 2 ? 2 : 0);
+  }
+}
+
 TEST_F(StepRanges, OfNames) {
   const auto named = [this](const std::string& name) {
     MotionBuilder builder = this->builder().step(kEnd);

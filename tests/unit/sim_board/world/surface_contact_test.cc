@@ -101,6 +101,10 @@ TEST(SurfaceContact, BoundsWhatHasNoInverse) {
   expect_equal(with(0.0, 2e-4), with(1e-6, 2e-4));
   expect_equal(with(1.0, 2e-4), with(0.999, 2e-4));
   expect_equal(with(0.3, 0.0), with(0.3, 1e-9));
+  // The bounds go no further than they must.
+  EXPECT_NE(with(0.0, 2e-4).softness.error_reduction, with(2e-6, 2e-4).softness.error_reduction);
+  EXPECT_NE(with(1.0, 2e-4).softness.error_reduction, with(0.998, 2e-4).softness.error_reduction);
+  EXPECT_NE(with(0.3, 0.0).softness.error_reduction, with(0.3, 2e-9).softness.error_reduction);
 }
 
 }  // namespace
