@@ -165,6 +165,14 @@ TEST(NodeSync, StartValueSelectsTheFirstSyncOfATpdo) {
     answered += device.ask(can_frame(0x080, {counter})).empty() ? '.' : 'x';
   }
   EXPECT_EQ(answered, "...x.x.");
+  // Operational again, it waits for the start value again.
+  device.node.command(NmtCommand::kEnterPreOperational, 0);
+  device.node.command(NmtCommand::kStart, 0);
+  answered.clear();
+  for (const unsigned counter : {8u, 9u, 10u, 1u, 2u, 3u, 4u}) {
+    answered += device.ask(can_frame(0x080, {counter})).empty() ? '.' : 'x';
+  }
+  EXPECT_EQ(answered, "......x");
 }
 
 TEST(NodeSync, WindowDiscardsLateData) {
