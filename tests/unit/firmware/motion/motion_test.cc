@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 
 #include "tests/unit/firmware/motion/motion_builder.h"
@@ -290,6 +291,22 @@ TEST_F(MotionTest, BoundsTheDistancesOfAllJumpsInSum) {
   EXPECT_EQ(of_steps(far), kBadJump);
   for (std::uint16_t i = 0; i + 1u < far.size(); ++i) far[i] = jump(static_cast<std::uint16_t>(i + 1));
   EXPECT_EQ(of_steps(far), kOk);
+}
+
+// 64 times the steps of the longest motion, and one more.
+TEST_F(MotionTest, AcceptsTheLargestSumOfDistances) {
+  std::vector<Step> steps(kMaxSteps, kWaitStep);
+  steps[0] = jump(kMaxSteps - 1);
+  steps.back() = kEndStep;
+  std::size_t sum = kMaxSteps - 1;
+  for (std::uint16_t i = 1; sum < 64 * kMaxSteps; ++i) {
+    const std::size_t distance = std::min<std::size_t>(kMaxSteps - 1u - i, 64 * kMaxSteps - sum);
+    steps[i] = jump(static_cast<std::uint16_t>(i + distance));
+    sum += distance;
+  }
+  EXPECT_EQ(of_steps(steps), kOk);
+  steps[kMaxSteps - 2] = jump(kMaxSteps - 1);
+  EXPECT_EQ(of_steps(steps), kBadJump);
 }
 
 TEST_F(MotionTest, RejectsCyclesOfZeroDuration) {
