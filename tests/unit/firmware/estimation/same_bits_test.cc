@@ -1,4 +1,4 @@
-// An estimate that must have the same bits everywhere (tests/support/digest.h).
+// An estimate that must have the same bits everywhere (tests/unit/firmware/fixed/digest.h).
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "firmware/estimation/estimator.h"
-#include "tests/support/digest.h"
+#include "tests/unit/firmware/fixed/digest.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
 namespace koboshi::estimation {

@@ -1,11 +1,11 @@
-// Results that must be the same bits everywhere (tests/support/digest.h).
+// Results that must be the same bits everywhere (tests/unit/firmware/fixed/digest.h).
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
 
 #include "firmware/fixed/trigonometry.h"
-#include "tests/support/digest.h"
+#include "tests/unit/firmware/fixed/digest.h"
 
 namespace koboshi::fixed {
 namespace {

@@ -1,12 +1,12 @@
-// Walks that must have the same bits everywhere (tests/support/digest.h).
+// Walks that must have the same bits everywhere (tests/unit/firmware/fixed/digest.h).
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <random>
 
-#include "tests/support/digest.h"
 #include "tests/support/tuned_gait.h"
+#include "tests/unit/firmware/fixed/digest.h"
 #include "tests/unit/firmware/walk/walking_robot.h"
 
 namespace koboshi::walk {
