@@ -7,7 +7,7 @@
 
 #include "base/text/error.h"
 #include "base/text/text.h"
-#include "sim_board/world/link_tree.h"
+#include "sim_board/description/hinge_tree.h"
 #include "sim_board/world/placement.h"
 #include "simulation/scenario/make_ground.h"
 
@@ -36,7 +36,7 @@ sim_board::BoardOptions board_options(const Scenario& scenario, const sim_board:
   if (scenario.initial.base_height_m) {
     world.X_WB.translation().z() = *scenario.initial.base_height_m;
   } else {
-    const auto X_WLs = sim_board::LinkTree(robot).poses(robot, world.X_WB, world.joint_positions_rad);
+    const auto X_WLs = sim_board::hinge_tree(robot).poses(world.X_WB, world.joint_positions_rad);
     world.X_WB.translation().z() = lift_onto_ground(robot, X_WLs, world.ground) + scenario.initial.drop_m;
   }
   return options;
