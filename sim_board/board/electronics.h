@@ -39,7 +39,7 @@ struct BusMember {
 // firmware on the other. Whoever has the clock and the world, of which this robot may be one of several,
 // calls
 //   serve(), and then for each physics step drive_servos(), World::step(), sample().
-class Electronics {
+class Electronics {  // Large: one member per part that a robot carries
  public:
   static constexpr std::uint64_t kService_us = hal::kServicePeriod_us;
   static constexpr std::uint64_t kTick_us = hal::kControlPeriod_us;
