@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "studio/motion/joint_panel.h"
-#include "studio/view/sole_panel.h"
+#include "studio/soles/sole_panel.h"
 #include "tests/studio/window/view_fixture.h"
 #include "tests/support/qt_tests.h"
 #include "view/render/playback.h"

@@ -1,4 +1,4 @@
-#include "studio/view/sole_panel.h"
+#include "studio/soles/sole_panel.h"
 
 #include <QHelpEvent>
 #include <QPainter>

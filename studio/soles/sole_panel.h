@@ -3,7 +3,7 @@
 #include <QString>
 #include <QWidget>
 
-#include "studio/view/sole_picture.h"
+#include "studio/soles/sole_picture.h"
 
 namespace koboshi::studio {
 

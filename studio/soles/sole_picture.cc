@@ -1,4 +1,4 @@
-#include "studio/view/sole_picture.h"
+#include "studio/soles/sole_picture.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
