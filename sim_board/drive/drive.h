@@ -29,7 +29,7 @@ namespace koboshi::sim_board {
 class Drive final : private BusNode,
                     private canopen::FrameSink,
                     private canopen::NodeApplication,
-                    private canopen::DeviceOwner {
+                    private canopen::DeviceOwner {  // Large: one short function per object and mode
  public:
   static constexpr std::uint64_t kBootTime_us = 50'000;  // from power to the boot-up message
   static constexpr std::uint64_t kSyncTolerance = 5;     // cycles without SYNC that a moving drive bears

@@ -24,7 +24,7 @@ namespace koboshi::studio {
 
 // The run in the window: a simulation, a recorded run, or a robot on a CAN bus, and the cursor, the moment
 // that all panels show. While a simulation runs, the cursor is at its newest sample until somebody moves it.
-class RunController final : public QObject {
+class RunController final : public QObject {  // Large: what every panel may ask of a run
   Q_OBJECT
 
  public:

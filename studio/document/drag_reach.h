@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "sim_board/world/link_tree.h"
-#include "studio/document/bounded_least_squares.h"
+#include "mechanics/bounded_least_squares.h"
+#include "mechanics/hinge_tree.h"
 #include "studio/document/drag_body.h"
 #include "studio/document/motion_robot.h"
 
@@ -51,15 +51,16 @@ class DragReach {
   std::vector<double> with_variables(const Eigen::VectorXd& q) const;
   Eigen::Isometry3d moved_body(const Links& links) const;
   Eigen::VectorXd soles_error_m(const Links& links) const;
-  Residuals residuals(const Eigen::Vector3d& displacement_B_m, const Eigen::Vector3d& rotation_B_rad,
-                      std::span<const double> angles_rad) const;
+  mechanics::Residuals residuals(const Eigen::Vector3d& displacement_B_m,
+                                 const Eigen::Vector3d& rotation_B_rad,
+                                 std::span<const double> angles_rad) const;
 
   const MotionRobot& robot_;
   Dragged dragged_;
-  sim_board::LinkTree tree_;
+  mechanics::HingeTree tree_;
   std::vector<double> start_rad_;
   std::vector<std::size_t> joints_;
-  VariableBounds bounds_;
+  mechanics::VariableBounds bounds_;
   std::size_t link_ = 0;               // the dragged one
   std::array<std::size_t, 2> feet_{};  // links; the support of the trunk, and the other one
   Eigen::Vector3d grabbed_B_m_;

@@ -53,7 +53,7 @@ struct StepPlace {
 // replace_text while the text is no YAML. A text with errors of the motion language stays editable. Rows are
 // indices into rows() of the present revision; `rows` of one edit may be in any order, and a row stands for
 // its body as well. Edits with one non-empty `drag` merge into one step until end_drag() or another edit.
-class MotionDocument final : public TextDocument {
+class MotionDocument final : public TextDocument {  // Large: one function per edit
  public:
   // Opens a file. `recovery_folder`: for autosave; empty: none. Throws InputError if the file cannot be
   // read; a file with errors opens.

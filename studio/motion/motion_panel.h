@@ -30,7 +30,7 @@ class Timeline;
 
 // The motion editor: the steps as a table and as a timeline, the joints of the current step as sliders, and a
 // line with messages. It never opens a window because of an error.
-class MotionPanel final : public QWidget {
+class MotionPanel final : public QWidget {  // Large: one function per action of the menu
   Q_OBJECT
 
  public:

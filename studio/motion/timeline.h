@@ -14,7 +14,7 @@ namespace koboshi::studio {
 // reaches its pose, arrows of loops, jumps and branches, the stability margin as a band, and the curves of
 // one joint: its angle, its speed and the torque of its servo. A diamond can be dragged; a drag of several
 // selected ones scales their time.
-class Timeline final : public QAbstractScrollArea {
+class Timeline final : public QAbstractScrollArea {  // Large: one function per thing that it draws
   Q_OBJECT
 
  public:

@@ -27,7 +27,7 @@ namespace koboshi::studio {
 //
 // While changes are applied live, every change of a document, also by undo and redo, is written to the
 // running controller.
-class ParameterEditor final : public QObject {
+class ParameterEditor final : public QObject {  // Large: one function per action of the panel
   Q_OBJECT
 
  public:

@@ -39,7 +39,7 @@ class Walk {
  public:
   Walk(const simulation::Scenario& scenario, const std::string& transport)
       : link_(options(transport)), simulation_(scenario) {
-    link_.attach(simulation_.board().bus());
+    link_.attach(simulation_.board().electronics().bus());
   }
 
   double tick_us() {

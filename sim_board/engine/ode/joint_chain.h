@@ -49,7 +49,7 @@ class JointChain {
   void write_ode_rows();
   // Writes the tree's joints from `index` on, one for each hinge, and appends the chain's bounded rows.
   // `p_WO_W` is the origin of the tree's spatial vectors.
-  void write_tree_joint(const Eigen::Vector3d& p_WO_W, JointSpace& tree, std::size_t index,
+  void write_tree_joint(const Eigen::Vector3d& p_WO_W, mechanics::JointSpace& tree, std::size_t index,
                         std::vector<TreeRow>& rows);
   // Reads the torques of the tree's solution. `index` is that of the chain's first joint.
   void read_tree_torques(const TreeSolver& solver, std::size_t index);

@@ -113,7 +113,7 @@ class MotionAnalysis {
   std::vector<bool> is_smoothed_;  // by tick
   std::vector<double> angles_, speeds_, accelerations_;
   Stance stance_;
-  LinkPlaces places_;
+  std::vector<Eigen::Isometry3d> X_BLs_;
 };
 
 }  // namespace koboshi::tools

@@ -1,9 +1,9 @@
-#include "sim_board/engine/tree/joint_space.h"
+#include "mechanics/joint_space.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace koboshi::sim_board {
+namespace koboshi::mechanics {
 namespace {
 
 std::size_t dof_index(int dof) { return static_cast<std::size_t>(dof); }
@@ -131,4 +131,4 @@ void JointSpace::find_joint_impulses(std::span<const Vector6> row_impulses) {
   for (std::size_t j = joints_.size(); j-- > 0;) flows_[joints_[j].parent] += flows_[joints_[j].child];
 }
 
-}  // namespace koboshi::sim_board
+}  // namespace koboshi::mechanics

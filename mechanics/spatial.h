@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace koboshi::sim_board {
+namespace koboshi::mechanics {
 
 // Spatial vectors (Featherstone, "Rigid Body Dynamics Algorithms", 2008, ch. 2), angular part first, in world
 // axes about one origin O at rest, common to all bodies:
@@ -68,4 +68,4 @@ struct SpatialInertia {
   }
 };
 
-}  // namespace koboshi::sim_board
+}  // namespace koboshi::mechanics

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace koboshi::sim_board {
+namespace koboshi::mechanics {
 
 // Solves the linear complementarity problem with bounds: x and w = A x - b such that for each row
 //   lower <= x <= upper,  w >= 0 where x = lower,  w <= 0 where x = upper,  w = 0 between,
@@ -76,4 +76,4 @@ class BoxLcp {
   std::uint64_t iterations_ = 0;
 };
 
-}  // namespace koboshi::sim_board
+}  // namespace koboshi::mechanics

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "sim_board/engine/tree/spatial.h"
+#include "mechanics/spatial.h"
 
-namespace koboshi::sim_board {
+namespace koboshi::mechanics {
 
 // Velocities of a tree of rigid bodies after one step, in joint coordinates: implicit in the servos' damping.
 //
@@ -106,4 +106,4 @@ class JointSpace {
   std::vector<Vector6> flows_;       // by body: sum over the bodies behind it
 };
 
-}  // namespace koboshi::sim_board
+}  // namespace koboshi::mechanics

@@ -1,10 +1,10 @@
-#include "sim_board/engine/tree/box_lcp.h"
+#include "mechanics/box_lcp.h"
 
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
-namespace koboshi::sim_board {
+namespace koboshi::mechanics {
 namespace {
 
 // Violation of a condition that counts as rounding, relative to the largest x or b. At 0.1 m/s, it is a speed
@@ -159,4 +159,4 @@ bool BoxLcp::release() {
   return true;
 }
 
-}  // namespace koboshi::sim_board
+}  // namespace koboshi::mechanics

@@ -1,4 +1,4 @@
-#include "sim_board/engine/tree/box_lcp.h"
+#include "mechanics/box_lcp.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "sim_board/random/random_stream.h"
 
-namespace koboshi::sim_board {
+namespace koboshi::mechanics {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -23,7 +23,8 @@ struct Problem {
 
 // A of this rank plus `softness` on the diagonal, as contacts have that share a body. Of four rows, one has
 // no bounds, one a lower one, two have both.
-Problem random_problem(RandomStream& random, Eigen::Index rows, Eigen::Index rank, double softness) {
+Problem random_problem(sim_board::RandomStream& random, Eigen::Index rows, Eigen::Index rank,
+                       double softness) {
   Eigen::MatrixXd J(rows, rank);
   for (double& value : J.reshaped()) value = random.within(1.0);
   Problem problem{
@@ -98,7 +99,7 @@ Eigen::VectorXd try_all(const Problem& problem) {
 TEST(BoxLcp, FindsTheOneCombinationOfSidesThatHolds) {
   BoxLcp lcp(8);
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    RandomStream random(seed, "lcp");
+    sim_board::RandomStream random(seed, "lcp");
     const Problem problem = random_problem(random, 6, 6, 0.01);
     load(lcp, problem);
     ASSERT_TRUE(lcp.solve()) << seed;
@@ -110,7 +111,7 @@ TEST(BoxLcp, FindsTheOneCombinationOfSidesThatHolds) {
 TEST(BoxLcp, MeetsTheConditionsWhereRowsAreRedundant) {
   BoxLcp lcp(8);
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    RandomStream random(seed, "lcp");
+    sim_board::RandomStream random(seed, "lcp");
     const Problem problem = random_problem(random, 24, 12, 1e-7);
     load(lcp, problem);
     ASSERT_TRUE(lcp.solve()) << seed;
@@ -121,7 +122,7 @@ TEST(BoxLcp, MeetsTheConditionsWhereRowsAreRedundant) {
 TEST(BoxLcp, EndsAtOnceAtTheSolutionAndThereFromAnyStart) {
   BoxLcp lcp(24);
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    RandomStream random(seed, "lcp");
+    sim_board::RandomStream random(seed, "lcp");
     const Problem problem = random_problem(random, 24, 24, 0.01);
     load(lcp, problem);
     ASSERT_TRUE(lcp.solve()) << seed;
@@ -140,7 +141,7 @@ TEST(BoxLcp, EndsAtOnceAtTheSolutionAndThereFromAnyStart) {
 
 // As friction rows are, which have no room until the normal impulses are known.
 TEST(BoxLcp, FixesRowsWithEqualBoundsUntilTheyDiffer) {
-  RandomStream random(1, "lcp");
+  sim_board::RandomStream random(1, "lcp");
   const Problem wide = random_problem(random, 8, 8, 0.1);
   Problem narrow = wide;
   narrow.bounds[2] = narrow.bounds[5] = {0.125, 0.125};
@@ -166,4 +167,4 @@ TEST(BoxLcp, RejectsAMatrixThatIsNotPositiveDefinite) {
 }
 
 }  // namespace
-}  // namespace koboshi::sim_board
+}  // namespace koboshi::mechanics
