@@ -33,15 +33,17 @@ XmlRule material(XmlCount count) {
 }
 
 XmlRule urdf_link_rule() {
-  return element("link", kRepeated, {name_attribute("name")},
-                 {element("inertial", kOptional, {},
-                          {origin(), element("mass", kRequired, {value_attribute("value")}),
-                           element("inertia", kRequired,
-                                   {value_attribute("ixx"), value_attribute("iyy"), value_attribute("izz"),
-                                    value_attribute("ixy", false), value_attribute("ixz", false),
-                                    value_attribute("iyz", false)})}),
-                  element("visual", kRepeated, {}, {origin(), urdf_geometry(), material(kOptional)}),
-                  element("collision", kRepeated, {}, {origin(), urdf_geometry()})});
+  return element(
+      "link", kRepeated, {name_attribute("name")},
+      {element("inertial", kOptional, {},
+               {origin(), element("mass", kRequired, {value_attribute("value")}),
+                element("inertia", kRequired,
+                        {value_attribute("ixx"), value_attribute("iyy"), value_attribute("izz"),
+                         value_attribute("ixy", false), value_attribute("ixz", false),
+                         value_attribute("iyz", false)})}),
+       element("visual", kRepeated, {value_attribute("name", false)},
+               {origin(), urdf_geometry(), material(kOptional)}),
+       element("collision", kRepeated, {value_attribute("name", false)}, {origin(), urdf_geometry()})});
 }
 
 XmlRule urdf_joint_rule() {
@@ -65,7 +67,8 @@ XmlRule transmission_rule() {
 const XmlRule& urdf_rule() {
   static const XmlRule rule =
       element("robot", kOptional, {name_attribute("name", false)},
-              {material(kRepeated), urdf_link_rule(), urdf_joint_rule(), transmission_rule()});
+              {material(kRepeated), urdf_link_rule(), urdf_joint_rule(), transmission_rule(),
+               value_element("koboshi")});  // of `koboshi model export`
   return rule;
 }
 
