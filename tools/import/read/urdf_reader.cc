@@ -164,9 +164,18 @@ void read_limits(const XmlNode& node, ImportedJoint& joint) {
   const auto limit = node.find("limit");
   if (!limit) return;
   const auto find = [&limit](const char* attribute) -> std::optional<double> {
+    constexpr double kNone = 1e5;  // exporters write 1e16 and inf for no limit
     const auto text = limit->find_attribute(attribute);
-    return text ? std::optional(number_in(*limit, *text, attribute)) : std::nullopt;
+    if (!text || *text == "inf" || *text == "-inf") return std::nullopt;
+    const auto value = parse_number(*text);
+    if (value && std::abs(*value) >= kNone) return std::nullopt;
+    return number_in(*limit, *text, attribute);
   };
+  const auto is_endless = [&](const char* attribute) {
+    return limit->find_attribute(attribute) && !find(attribute);
+  };
+  if (joint.kind == JointKind::kHinge && (is_endless("lower") || is_endless("upper")))
+    joint.kind = JointKind::kContinuous;
   if (joint.kind == JointKind::kHinge) {
     joint.lower_rad = find("lower").value_or(0.0);
     joint.upper_rad = find("upper").value_or(0.0);
