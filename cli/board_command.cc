@@ -38,10 +38,10 @@ void play_board(const BoardArguments& arguments) {
   if (view) {
     view->set_keys({.refusal = "A board without controller takes no keys."});
     recording.emplace(bare, *view);
-    board.bus().set_observer(&*recording);
+    board.electronics().bus().set_observer(&*recording);
     view->start(view::recording_head(bare), make_network(bare.robot()));
   }
-  live.attach(board.bus());
+  live.attach(board.electronics().bus());
   print_bus_address(live);
   print_view_address(view.get());
   while (!bare.finished() && !live.interrupted()) {
@@ -54,11 +54,11 @@ void play_board(const BoardArguments& arguments) {
     live.after(board.now_us());
   }
   if (recording) {
-    board.bus().set_observer(nullptr);
+    board.electronics().bus().set_observer(nullptr);
     recording->close({});
     view->close();
   }
-  const sim_board::BusUsage usage = board.bus().usage();
+  const sim_board::BusUsage usage = board.electronics().bus().usage();
   fmt::print("{:.2f} s, {} frames, bus load {:.0f} %\n", 1e-6 * static_cast<double>(board.now_us()),
              usage.frames, 100.0 * sim_board::bus_load({}, usage));
   warn_of_losses(live.report());

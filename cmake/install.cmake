@@ -16,7 +16,7 @@ koboshi_install_component(firmware koboshi_headers)
 koboshi_install_headers(firmware hal firmware)
 if(KOBOSHI_SIMULATION)
   koboshi_install_component(simulation)
-  koboshi_install_headers(simulation base sim_board simulation)
+  koboshi_install_headers(simulation base mechanics sim_board simulation)
   # Programs find these from their own place (simulation/scenario/paths.h).
   install(DIRECTORY robots scenarios studies DESTINATION share/koboshi COMPONENT program)
   install(TARGETS koboshi RUNTIME DESTINATION bin COMPONENT program OPTIONAL)

@@ -21,7 +21,7 @@ struct Value {
   std::string expected;
 };
 
-// What the rule of an element or an attribute says of its value.
+// The values that the rule of an element or an attribute permits.
 struct Permitted {
   explicit Permitted(const XmlRule& rule)
       : content(rule.content),

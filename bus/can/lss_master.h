@@ -34,7 +34,7 @@ class LssMaster {
   // Finds a slave in waiting that has no node id, and puts it into configuration.
   std::optional<LssAddress> fastscan();
 
-  // Of the slave in configuration. Throw if several answer.
+  // Return the identity of the slave in configuration. Throw if several answer.
   LssAddress inquire_address();
   std::uint8_t inquire_node_id();
   void configure_node_id(std::uint8_t node_id);

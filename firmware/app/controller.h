@@ -51,7 +51,7 @@ class Controller final {
   // One control cycle: samples to joint targets, RPDOs, SYNC, telemetry. At 100 Hz.
   [[gnu::noinline]] void tick(std::uint64_t now_us);
 
-  // What the object dictionary shows; for tests and for the record of a run.
+  // Returns the values behind the object dictionary, for tests and for the record of a run.
   const ControllerValues& values() const { return values_; }
   const robot::RobotModel& model() const { return model_; }
 

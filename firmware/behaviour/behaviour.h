@@ -64,7 +64,7 @@ struct Decision {
 
 // The second stage of a control cycle: the state machine of the robot. Inputs are those of a Cycle and the
 // operator's commands; the output is a Decision. All transitions are those of the table in state.h.
-class Behaviour {
+class Behaviour {  // Large: one short function per state and per command
  public:
   static constexpr std::uint32_t kSensorTimeout_us = 50'000;
   // Consecutive readings of the supply below its limit: two seconds.

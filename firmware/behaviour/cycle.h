@@ -32,7 +32,7 @@ struct Cycle {
   std::uint64_t now_us;
 };
 
-// What a command is judged by, between two cycles.
+// The circumstances by which a command is judged, between two cycles.
 struct Circumstances {
   const estimation::RobotState& robot;
   const drive::EnableConditions& drives;

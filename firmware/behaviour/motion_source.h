@@ -12,7 +12,7 @@
 
 namespace koboshi::behaviour {
 
-// What a source plans for the trunk and the ZMP, and by which feedback it is balanced.
+// The plan of a source for the trunk and the ZMP, and the feedback that balances it.
 struct Plan {
   motion::Lean lean;                      // of the trunk: only what deviates from it may be a fall
   fixed::Angle pitch;                     // of the trunk, forward positive: the feedback holds it

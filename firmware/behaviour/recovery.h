@@ -17,7 +17,7 @@ namespace koboshi::behaviour {
 // motions are those of the library, by role; docs/design/getting-up.md explains the order.
 class Recovery {
  public:
-  // What ended a state; kFailure: getting up has failed.
+  // The event that ended a state; kFailure: getting up has failed.
   struct Outcome {
     Event event;
     Reason reason;

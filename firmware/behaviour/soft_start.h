@@ -13,7 +13,7 @@ namespace koboshi::behaviour {
 // A slow ramp of all joints from one pose to another, linear in time. All joints start and arrive together.
 class SoftStart final : public MotionSource {
  public:
-  // Of a ramp that hardly moves. Set by hand; not tuned.
+  // Duration of a ramp that hardly moves. Set by hand; not tuned.
   static constexpr std::int32_t kMinDuration_us = 500'000;
 
   // Starts a ramp. `from` and `to` have one angle for each joint, at most robot::kMaxJoints. `rate`, positive

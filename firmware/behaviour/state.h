@@ -31,7 +31,7 @@ enum class State : std::uint8_t {
   kSteadying = 15,
 };
 
-// What generates the joint targets of a state (motion_source.h); kNone: the targets stay, or follow the
+// The generator of a state's joint targets (motion_source.h); kNone: the targets stay, or follow the
 // joints.
 enum class Source : std::uint8_t { kNone, kSoftStart, kMotion, kWalk };
 inline constexpr std::size_t kSources = 4;
@@ -60,7 +60,7 @@ inline constexpr Traits kRecovers = 1u << 7;
 // A part of standing up.
 inline constexpr Traits kGetsUp = 1u << 8;
 
-// What a state is, beside the transitions that lead to and from it (kRules). Everything that depends on
+// The properties of a state, beside the transitions to and from it (kRules). Everything that depends on
 // states derives from this table: sets of states, names on the bus and in recordings.
 struct StateRow {
   State state;

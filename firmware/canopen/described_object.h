@@ -45,7 +45,7 @@ struct ObjectText {
   std::string_view name = {};  // of an index, or of a sub-index
   Unit unit = {};
   std::span<const ValueName> values = {};
-  // Of a repeated row: the last word of each sub-index's name; if empty, its number.
+  // The last word of the name of each sub-index of a repeated row; if empty, its number.
   std::span<const std::string_view> elements = {};
   std::string_view comment = {};  // one line
   // When a written value takes effect: "at the next walk". Empty: as the heading of its index, or at once.

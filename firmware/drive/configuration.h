@@ -10,11 +10,11 @@
 namespace koboshi::drive {
 
 inline constexpr std::uint8_t kControllerNodeId = 1;
-// Heartbeats, set by hand (2026-11-21; docs/design/timing.md, "Time-outs"). What the controller produces, and
-// what the drives tolerate: three beats, so that a drive stops 10 ms after it would have by the loss of SYNC.
+// Heartbeats, set by hand (2026-11-21; docs/design/timing.md, "Time-outs"). The controller's, and how
+// long drives wait for one: three beats, so that a drive stops 10 ms after it would by the loss of SYNC.
 inline constexpr std::uint16_t kControllerHeartbeat_ms = 20;
 inline constexpr std::uint16_t kControllerHeartbeatLost_ms = 60;
-// What the drives produce, and what the controller tolerates. Missing answers to SYNC show a lost drive
+// The heartbeats of drives, and the silence tolerated of them. Missing answers to SYNC show a lost drive
 // within 50 ms, so heartbeats may be rare: those of 20 drives load the bus by 1.1 %. Two may be lost on a bad
 // bus; 50 ms are margin for a third that waits for its turn.
 inline constexpr std::uint16_t kDriveHeartbeat_ms = 100;

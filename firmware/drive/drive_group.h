@@ -39,7 +39,7 @@ enum class Starting : std::uint8_t {
 // Boots all servo drives of the robot, leads them to a goal and supervises them. The owner passes on what it
 // receives from them. In each cycle it calls `observe`, decides, sets goal and targets, calls `command` and
 // sends `signals`, so that a decision takes effect in the same cycle.
-class DriveGroup {
+class DriveGroup {  // Large: one array per quantity of all drives
  public:
   // From the reset to the last boot-up message. Set by hand (2026-11-21): the simulated drives take 50 ms;
   // the margin is for firmware that starts more slowly.

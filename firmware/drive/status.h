@@ -21,7 +21,7 @@ struct DriveStatus {
   std::uint32_t lowest_supply_mV = 0;                    // of the last readings of all drives
 };
 
-// What decides whether the drives may be enabled, at one instant; needed only when that is requested.
+// The conditions for enabling the drives, at one instant; needed only when that is requested.
 struct EnableConditions {
   bool disabled = false;  // each drive is in the state switch on disabled (CiA 402-2)
   // Bit i: joint i's encoder reads beyond the joint's limits by more than DriveGroup::kEncoderMargin.

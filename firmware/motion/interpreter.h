@@ -15,7 +15,7 @@ namespace koboshi::motion {
 // Plays one motion at a time. Time is an argument. The rest of it after the end of a step goes to the next
 // step: a motion takes the sum of its steps' times, however it is divided into calls. The work of a call is
 // bounded: what exceeds kMaxWork is left to the next call, together with its time.
-class Interpreter {
+class Interpreter {  // Large: the whole state of a program that runs
  public:
   // The work of one call, about 70 instructions of the Cortex-M4 each. kMaxWork was found by measuring
   // (docs/experiment/motion-language.md): two motions on 20 joints with 16 corrections each stay below 8,000

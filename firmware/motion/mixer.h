@@ -46,7 +46,7 @@ class Mixer {
   }
 
  private:
-  // What is left of removed corrections: `from_raw`, 2^-32 turn, times left_us / kFade_us.
+  // The rest of removed corrections: `from_raw`, 2^-32 turn, times left_us / kFade_us.
   struct Fade {
     std::int32_t from_raw = 0;
     std::uint32_t left_us = 0;

@@ -160,7 +160,7 @@ class Motion {
   // joint's limits.
   static MotionVerdict open(std::span<const std::byte> bytes, const robot::RobotModel& model, Motion& motion);
 
-  // What a validation finds by going through all steps.
+  // The results of a validation, which has to go through all steps.
   struct Findings {
     std::uint32_t claimed_joints = 0;
     std::uint16_t main_step_count = 0;

@@ -5,7 +5,7 @@
 
 namespace koboshi::storage {
 
-// What an item is. Kind and number together identify it; both are stored in flash, so new kinds are appended.
+// The kind of an item. Kind and number identify it; both are stored in flash, so new kinds are appended.
 enum class ItemKind : std::uint16_t {
   kRobotModel = 1,
   kMotion = 2,             // numbers 0 to kMaxMotions - 1

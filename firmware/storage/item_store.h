@@ -46,7 +46,7 @@ namespace koboshi::storage {
 // `written` and `commit` as needed, and `release`. The functions in between require that `begin` has returned
 // kOk and `release` has not been called since. No function waits for the flash: it returns kBusy, has done
 // nothing, and is to be called again.
-class ItemStore {
+class ItemStore {  // Large: the stages of a write, and of a copy meanwhile
  public:
   static constexpr std::size_t kHeaderSize = 16;
   static constexpr std::size_t kMaxItemSize_bytes = 8 * 1024;

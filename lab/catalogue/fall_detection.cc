@@ -223,7 +223,7 @@ FallTrial play(const Disturbance& disturbance, const Case& played, std::uint64_t
   return trial;
 }
 
-// Of all falls, or of those to a side or along the walk. A fall that was not predicted has a lead of 0.
+// Returns the leads of all falls, or of those to a side or along the walk; 0 if a fall was not predicted.
 std::vector<double> leads_s(const std::vector<FallTrial>& trials, std::optional<bool> side = {}) {
   std::vector<double> leads;
   for (const FallTrial& trial : trials) {

@@ -87,7 +87,7 @@ PushTrial play(const PushCase& pushed, const StandingStart& start, const PushRec
   return trial;
 }
 
-// Of all trials, or the least of the estimates by phase.
+// Returns the estimate of all trials, or the least of the estimates by phase.
 QuantileEstimate survived_by_95_of_100(const std::vector<PushTrial>& trials, std::size_t bins) {
   std::vector<std::vector<double>> by_phase(bins);
   for (const PushTrial& trial : trials) {

@@ -26,7 +26,7 @@ struct Feedback {
 };
 [[nodiscard]] const std::vector<Feedback>& feedbacks();
 
-// What the pushed robot does: "standing", or "walking" on the spot.
+// The activities of the pushed robot: "standing", or "walking" on the spot.
 [[nodiscard]] const std::vector<std::string>& pushed_states();
 
 struct PushRecoveryOptions : ExperimentSetup {

@@ -39,7 +39,7 @@ struct SpeedTrial {
   Outcome outcome = Outcome::kSurvived;
   std::string error{};
   bool not_sustained = true;
-  // Of a walk that was sustained; the turn rate and its energy only on the spot, the others only elsewhere.
+  // Results of a sustained walk; the turn rate and its energy only on the spot, the others only elsewhere.
   std::optional<double> speed_m_per_s{};
   std::optional<double> turn_rad_per_s{};
   std::optional<double> drift_m{};  // to the side, on the spot in any direction

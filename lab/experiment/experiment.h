@@ -19,7 +19,7 @@ namespace koboshi::tools {
 // The engine sees a trial as a record of numbers, one for each metric. The experiment itself works with a
 // struct of its own; a table of fields (lab/experiment/field_table.h) converts one into the other.
 
-// What a number of a trial is called, and how it is reported. Its unit is SI.
+// Name and report format of a number of a trial. Its unit is SI.
 struct Metric {
   std::string name;        // "speed_m_per_s", in CSV and JSON; ends in the unit
   std::string label{};     // "speed [m/s]", in tables; empty: not in tables

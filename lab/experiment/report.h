@@ -31,8 +31,8 @@ struct Conclusions {
 
 // "too_many": for programs.
 [[nodiscard]] std::string stop_name(Stop stop);
-// The same for programs, in SI units; nothing that depends on the machine or the time. What is not a number
-// is null.
+// The same for programs, in SI units; nothing that depends on the machine or the time. Values that are
+// no numbers are null.
 [[nodiscard]] nlohmann::ordered_json to_json(const Experiment& experiment, const ExperimentResult& result);
 // One line a trial: the cell's settings, the seed, the metrics; empty where there is no value.
 [[nodiscard]] std::string to_csv(const Experiment& experiment, const ExperimentResult& result);

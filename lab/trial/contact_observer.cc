@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
+#include "sim_board/description/hinge_tree.h"
 #include "sim_board/engine/common/model_constants.h"
 #include "sim_board/world/box_overlap.h"
-#include "sim_board/world/link_tree.h"
 
 namespace koboshi::tools {
 
 std::vector<LinkPair> link_pairs(const sim_board::RobotDescription& robot) {
-  const sim_board::LinkTree tree(robot);
+  const mechanics::HingeTree tree = sim_board::hinge_tree(robot);
   std::vector<LinkPair> pairs;
   for (int i = 0; i < static_cast<int>(robot.links.size()); ++i) {
     for (int j = i + 1; j < static_cast<int>(robot.links.size()); ++j) {
@@ -17,7 +17,8 @@ std::vector<LinkPair> link_pairs(const sim_board::RobotDescription& robot) {
         return robot.links[static_cast<std::size_t>(link)].collisions.empty();
       };
       if (is_bare(i) || is_bare(j)) continue;
-      pairs.push_back({{i, j}, tree.distance(i, j) >= sim_board::kMinJointsBetween});
+      const int joints = tree.distance(static_cast<std::size_t>(i), static_cast<std::size_t>(j));
+      pairs.push_back({{i, j}, joints >= sim_board::kMinJointsBetween});
     }
   }
   return pairs;

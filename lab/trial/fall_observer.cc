@@ -56,12 +56,12 @@ void FallObserver::look_at_ground(const sim_board::World& world, double time_s) 
 }
 
 void FallObserver::look_at_servos(const sim_board::SimBoard& board) {
-  for (std::size_t joint = 0; joint < board.robot().joints.size(); ++joint) {
+  for (std::size_t joint = 0; joint < board.electronics().robot().joints.size(); ++joint) {
     const double torque_Nm = std::abs(board.world().joint(static_cast<int>(joint)).servo_Nm);
     history_.peak_torque_Nm = std::max(history_.peak_torque_Nm, torque_Nm);
     history_.peak_motor_torque_Nm =
-        std::max(history_.peak_motor_torque_Nm, std::abs(board.drive(joint).torque_Nm()));
-    history_.peak_winding_C = std::max(history_.peak_winding_C, board.drive(joint).winding_C());
+        std::max(history_.peak_motor_torque_Nm, std::abs(board.electronics().drive(joint).torque_Nm()));
+    history_.peak_winding_C = std::max(history_.peak_winding_C, board.electronics().drive(joint).winding_C());
   }
 }
 

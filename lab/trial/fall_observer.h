@@ -20,7 +20,7 @@ struct FallHistory {
   int attempts = 0;                                  // to get up
   int stands = 0;                                    // after such an attempt
   behaviour::Reason lay = behaviour::Reason::kNone;  // the pose when it first began to turn over or to rise
-  // Of the servos, since the first attempt: the torque of the gears, and of the motors. A link that strikes
+  // Peaks of the servos since the first attempt: the torque of gears and of motors. A link that strikes
   // the ground stops its joint within a step or two; the gears, which are rigid here, then stop the rotor,
   // and bear its inertia times the change of speed, divided by the time.
   double peak_torque_Nm = 0.0;

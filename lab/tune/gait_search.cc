@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kWorst = -1.0;  // a fall at once
-// What a drift as long as the way costs, and a slide of a metre.
+// The costs of a drift as long as the distance walked, and of a slide of a metre.
 constexpr double kDriftCost_m_per_s = 0.1;
 constexpr double kSlipCost_per_s = 0.5;
 constexpr double kMinDistance_m = 0.1;  // bounds the drift of a robot that marks time

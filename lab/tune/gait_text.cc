@@ -26,7 +26,7 @@ bool in_comment(const std::string& text, std::size_t at) {
   return hash < at;
 }
 
-// Of the values of all keys of this name.
+// Returns the places of the values of all keys with this name.
 std::vector<Place> find_numbers(const std::string& text, const std::string& dotted) {
   const std::string key = dotted.substr(dotted.rfind('.') + 1) + ":";  // all of it without a dot
   std::vector<Place> places;

@@ -15,7 +15,7 @@
 namespace koboshi::tools {
 namespace {
 
-// What pagmo calls a user-defined problem.
+// A user-defined problem in pagmo's sense.
 struct BoxProblem {
   const Objectives* objectives = nullptr;  // pagmo copies the problem
   std::size_t count = 0;                   // of the objectives

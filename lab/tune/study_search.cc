@@ -96,7 +96,7 @@ class StudySearch {
             .cells = cells};
   }
 
-  // What a program that watches or resumes the search needs to know.
+  // Writes the state that a program needs to watch or resume the search.
   void write_state(const SearchProgress& now, const char* state) const {
     nlohmann::ordered_json overrides = nlohmann::ordered_json::object();
     for (const Override& item : options_.overrides) overrides[item.path] = item.value;

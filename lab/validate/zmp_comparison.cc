@@ -48,7 +48,8 @@ class SensorZmp {
     double load_N = 0.0;
     Vector2d moment = Vector2d::Zero();
     for (std::size_t side = 0; side < sensors_.size(); ++side) {
-      const sim_board::AnkleSensor* sensor = simulation_.board().ankle_sensor(static_cast<hal::Side>(side));
+      const sim_board::AnkleSensor* sensor =
+          simulation_.board().electronics().ankle_sensor(static_cast<hal::Side>(side));
       if (!sensors_[side] || sensor == nullptr) continue;
       const sim_board::AnkleZmp::Reading reading = sensors_[side]->read(sensor->wrench_S());
       const Eigen::Isometry3d X_WSole =

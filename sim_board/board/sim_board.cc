@@ -1,267 +1,31 @@
 #include "sim_board/board/sim_board.h"
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
 
-#include "firmware/canopen/frame.h"
-#include "sim_board/drive/pc_sdo.h"
 #include "sim_board/engine/make_world.h"
 
 namespace koboshi::sim_board {
-namespace {
-
-constexpr std::size_t kOperatorFifo = 64;
-
-// What the operator's PC hears: the answers to its requests, and the commands of other operators.
-AcceptanceFilter operators_frames() {
-  AcceptanceFilter filter{kCommandIdentifier, kVelocityIdentifier};
-  filter.accept_range(canopen::kSdoResponseBase + 1, canopen::kSdoResponseBase + 127);
-  filter.accept_range(kPcSdoResponseBase + kFirstPcSdoNode, kPcSdoResponseBase + kLastPcSdoNode);
-  return filter;
-}
-
-// The wall time is sampled in one of this many milliseconds and counted for all of them: reading the clock is
-// expensive, in a virtual machine more so than the measured code. The number is coprime to the ten
-// milliseconds of a tick.
-constexpr std::uint64_t kTimedOf = 7;
-
-// Adds the wall time of its scope to a share.
-class Stopwatch {
- public:
-  Stopwatch(double& share_s, std::uint64_t now_us)
-      : share_s_(now_us / SimBoard::kService_us % kTimedOf == 0 ? &share_s : nullptr),
-        start_(share_s_ == nullptr ? Clock::time_point() : Clock::now()) {}
-  ~Stopwatch() {
-    if (share_s_ == nullptr) return;
-    *share_s_ += static_cast<double>(kTimedOf) * std::chrono::duration<double>(Clock::now() - start_).count();
-  }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double* share_s_;
-  Clock::time_point start_;
-};
-
-}  // namespace
-
-void SimBoard::Receiver::on_frame(const hal::CanFrame& frame, std::uint64_t) {
-  if (input_.frames.push(frame)) return;
-  std::uint16_t& overruns = input_.can_status.receive_overruns;
-  if (overruns < 0xFFFF) ++overruns;
-}
 
 SimBoard::SimBoard(const RobotDescription& robot, const BoardOptions& options, ControllerHost& host)
-    : robot_(robot),
-      options_(options),
-      host_(host),
+    : options_(options),
       world_(make_world(robot, options.world)),
       step_us_(static_cast<std::uint64_t>(std::llround(1e6 * world_->step_s()))),
-      controller_(bus_.attach(receiver_, AcceptanceFilter::all(), kTransmitFifo)),
-      operator_(bus_.attach(operator_node_, operators_frames(), kOperatorFifo)),
-      bus_faults_(options.seed) {
-  const SensorErrors errors{.seed = options.seed, .scale = options.noise_scale};
-  const ServoOptions servo_options{
-      .step_s = world_->step_s(), .seed = options.seed, .noise_scale = options.noise_scale};
-  if (robot.battery) battery_.emplace(*robot.battery);
-  for (const JointDescription& joint : robot.joints) {
-    drives_.push_back(std::make_unique<Drive>(joint, bus_, servo_options));
-    drives_.back()->power_on(now_us_);
-  }
-  loads_.resize(drives_.size());
-  if (robot.imu) {
-    const LinkDescription& link = robot.links[static_cast<std::size_t>(robot.imu->link)];
-    imu_.emplace(*robot.imu, link, options.world.gravity_W_m_per_s2, errors);
-  }
-  if (robot.left_ankle) ankles_[0].emplace(*robot.left_ankle, robot, errors);
-  if (robot.right_ankle) ankles_[1].emplace(*robot.right_ankle, robot, errors);
-  if (options.sensors_on_bus) attach_sensor_nodes();
-  sample_sensors();
-}
+      electronics_(robot, options, *world_, host, shares_) {}
 
 void SimBoard::advance() {
-  advance_bus();
-  update_drives();
-  collect_samples();
-  update_sensor_nodes();
-  if (!controller_stopped_) serve_controller();
-  watch_dog();
-  step_physics();
-}
-
-void SimBoard::advance_bus() {
-  const Stopwatch watch(shares_.bus_s, now_us_);
-  for (const auto& babbler : babblers_) babbler->advance(now_us_);
-  bus_.advance_to(now_us_);
-}
-
-void SimBoard::update_drives() {
-  const Stopwatch watch(shares_.drives_s, now_us_);
-  for (std::size_t joint = 0; joint < drives_.size(); ++joint) {
-    const int number = static_cast<int>(joint);
-    drives_[joint]->set_enable_line(enable_line_);
-    drives_[joint]->update(world_->joint(number), now_us_);
-  }
-}
-
-void SimBoard::drive_servos() {
-  const Stopwatch watch(shares_.drives_s, now_us_);
-  SupplyLoad load;
-  for (std::size_t joint = 0; joint < drives_.size(); ++joint) {
-    loads_[joint] = drives_[joint]->draw(world_->joint(static_cast<int>(joint)));
-    load += loads_[joint];
-  }
-  const double step_s = world_->step_s();
-  const double battery_V = battery_ ? battery_->voltage_V(load) : 0.0;
-  for (std::size_t joint = 0; joint < drives_.size(); ++joint) {
-    const double whole_V = battery_ ? battery_V : robot_.joints[joint].servo.supply_V;
-    const double supply_V = std::min(whole_V, highest_supply_V_.value_or(whole_V));
-    drawn_J_ += step_s * supply_V * loads_[joint].current_A(supply_V);
-    world_->set_servo(static_cast<int>(joint), drives_[joint]->torque(supply_V));
-  }
-}
-
-void SimBoard::collect_samples() {
-  hal::ImuSample sample;
-  while (imu_ && imu_->poll(now_us_, sample)) take(sample);
-  hal::AnkleSample ankle;
-  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
-    auto& sensor = ankles_[static_cast<std::size_t>(side)];
-    while (sensor && sensor->poll(now_us_, ankle)) take(side, ankle);
-  }
-}
-
-void SimBoard::take(const hal::ImuSample& sample) {
-  if (imu_node_) return imu_node_->take(sample);
-  if (!input_.imu.push(sample) && input_.imu_overruns < 0xFFFF) ++input_.imu_overruns;
-}
-
-void SimBoard::take(hal::Side side, const hal::AnkleSample& sample) {
-  const auto number = static_cast<std::size_t>(side);
-  if (ankle_nodes_[number]) return ankle_nodes_[number]->take(sample);
-  input_.ankles[number] = sample;
-  input_.ankle_fresh[number] = true;
-}
-
-void SimBoard::attach_sensor_nodes() {
-  if (imu_) imu_node_ = std::make_unique<SensorNode>(SensorKind::kInertial, kInertialNode, bus_);
-  constexpr std::array kNodes{kLeftAnkleNode, kRightAnkleNode};
-  for (std::size_t side = 0; side < ankles_.size(); ++side) {
-    if (ankles_[side])
-      ankle_nodes_[side] = std::make_unique<SensorNode>(SensorKind::kForceTorque, kNodes[side], bus_);
-  }
-}
-
-void SimBoard::update_sensor_nodes() {
-  if (imu_node_) imu_node_->update(now_us_);
-  for (const auto& node : ankle_nodes_) {
-    if (node) node->update(now_us_);
-  }
-}
-
-void SimBoard::serve_controller() {
-  input_.now_us = now_us_;
-  input_.tick = now_us_ % kTick_us == 0;
-  const std::uint16_t receive_overruns = input_.can_status.receive_overruns;
-  input_.can_status = bus_.status(controller_);
-  input_.can_status.receive_overruns = receive_overruns;
-  for (const hal::TransmitFifo fifo : {hal::kProcessFifo, hal::kAnswerFifo, hal::kBackgroundFifo}) {
-    input_.transmit_space[fifo] = static_cast<std::uint16_t>(bus_.transmit_space(controller_, fifo));
-    input_.transmit_pending[fifo] = bus_.transmit_pending(controller_, fifo);
-  }
-  {
-    const Stopwatch watch(shares_.firmware_s, now_us_);
-    host_.exchange(input_, output_);
-  }
-  input_.frames.clear();
-  input_.imu.clear();
-  input_.ankle_fresh = {};
-
-  const std::uint64_t ready_us =
-      now_us_ + (input_.tick ? options_.computing_time_us : options_.service_time_us);
-  // The ports have refused all frames that would not fit.
-  for (const hal::CanFrame& frame : output_.frames.view()) {
-    static_cast<void>(bus_.queue(controller_, frame, ready_us));
-  }
-  if (output_.recover) bus_.recover(controller_);
-  if (output_.watchdog_kicked) kicked_us_ = now_us_;
-  enable_line_ = output_.drive_enabled && !bitten_;
-}
-
-void SimBoard::watch_dog() {
-  if (now_us_ - kicked_us_ < kWatchdog_us) return;
-  bitten_ = true;
-  enable_line_ = false;
-}
-
-void SimBoard::step_physics() {
+  electronics_.serve();
   for (const std::uint64_t end_us = now_us_ + kService_us; now_us_ < end_us;) {
     if (step_listener_ != nullptr) step_listener_->before_step(*world_, now_us_, now_us_ + step_us_);
-    drive_servos();
+    electronics_.drive_servos();
     step_world();
     now_us_ += step_us_;
-    sample_sensors();
+    electronics_.sample(now_us_);
   }
 }
 
 void SimBoard::step_world() {
   const Stopwatch watch(shares_.physics_s, now_us_);
   world_->step();
-}
-
-void SimBoard::sample_sensors() {
-  const Stopwatch watch(shares_.sensors_s, now_us_);
-  if (imu_) imu_->step(*world_, now_us_);
-  for (auto& ankle : ankles_) {
-    if (ankle) ankle->step(*world_, now_us_);
-  }
-}
-
-void SimBoard::set_imu_running(bool running) {
-  if (imu_) imu_->set_running(running);
-}
-
-void SimBoard::set_ankle_running(hal::Side side, bool running) {
-  auto& ankle = ankles_[static_cast<std::size_t>(side)];
-  if (ankle) ankle->set_running(running);
-}
-
-void SimBoard::add_frame_fault(const FrameFault& fault) {
-  bus_faults_.add(fault);
-  bus_.set_disturbance(&bus_faults_);
-}
-
-// Excludes the measured wall times and data that exist only within a step.
-std::vector<BusMember> SimBoard::bus_members() const {
-  std::vector<BusMember> members{{kControllerNode, controller_}};
-  for (std::size_t i = 0; i < drives_.size(); ++i)
-    members.push_back({robot_.joints[i].drive.node_id, drives_[i]->bus_handle()});
-  if (imu_node_) members.push_back({kInertialNode, imu_node_->bus_handle()});
-  constexpr std::array kAnkleNodes{kLeftAnkleNode, kRightAnkleNode};
-  for (std::size_t side = 0; side < ankle_nodes_.size(); ++side)
-    if (ankle_nodes_[side]) members.push_back({kAnkleNodes[side], ankle_nodes_[side]->bus_handle()});
-  return members;
-}
-
-void SimBoard::archive(StateArchive& archive) {
-  archive(now_us_, host_, world_, input_, output_, bus_, drives_, imu_, ankles_, imu_node_, ankle_nodes_,
-          bus_faults_, babblers_, highest_supply_V_, drawn_J_, kicked_us_, enable_line_, bitten_,
-          controller_stopped_);
-  if (!archive.writes()) bus_.set_disturbance(bus_faults_.empty() ? nullptr : &bus_faults_);
-}
-
-void SimBoard::isolate_controller() {
-  bus_.power_off(operator_);
-  for (const auto& drive : drives_) bus_.power_off(drive->bus_handle());
-}
-
-void SimBoard::rejoin_controller() {
-  bus_.power_on(operator_);
-  for (const auto& drive : drives_) {
-    if (drive->listens()) bus_.power_on(drive->bus_handle());
-  }
 }
 
 }  // namespace koboshi::sim_board

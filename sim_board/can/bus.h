@@ -59,7 +59,7 @@ struct NodeCounters {
 //
 // Times are in microseconds and never decrease. Memory is allocated only when nodes are attached and for
 // frames that a disturbance delays.
-class Bus {
+class Bus {  // Large: one short function per stage of a frame
  public:
   // Threshold for late frames: one control cycle of the robot. On a bus with spare capacity frames wait less.
   static constexpr std::uint64_t kLate_us = 10'000;

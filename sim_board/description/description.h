@@ -157,7 +157,7 @@ struct DriveDescription {
   double zero_rad = 0.0;
 };
 
-// What the maker's own software calls a joint: the servo's number, direction and zero in motion files.
+// A joint in the maker's own software: the servo's number, direction and zero in motion files.
 struct MakerDescription {
   int servo_id = 0;
   int sign = 1;                // ticks = zero + sign * joint angle * ticks_per_turn / 2 pi

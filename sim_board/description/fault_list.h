@@ -48,7 +48,7 @@ void find_joint_faults(const XmlNode& joint, FaultList& faults);
 void find_servo_faults(const XmlNode& servo_type, FaultList& faults);
 void find_sensor_faults(const XmlNode& sensor, FaultList& faults);
 void find_unit_faults(const XmlNode& model, FaultList& faults);
-// Of the model as a whole; requires that all references are sound.
+// Find the faults of the model as a whole; all references must be sound.
 void find_tree_faults(const XmlNode& model, const ModelFrames& frames, FaultList& faults);
 void find_role_faults(const XmlNode& model, FaultList& faults);
 void find_sensor_set_faults(const XmlNode& model, const ModelFrames& frames, FaultList& faults);

@@ -10,7 +10,7 @@ namespace koboshi::sim_board {
 
 class ServoLibraries;
 
-// What a robot's file may contain that its schema permits and no simulation can.
+// The faults that a robot's file may have although its schema permits them: no simulation could run it.
 enum class RobotFaultKind {
   kName,       // a name that is used twice, or that SDF refuses
   kVersion,    // a key of another version of SDF

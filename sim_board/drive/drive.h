@@ -29,7 +29,7 @@ namespace koboshi::sim_board {
 class Drive final : private BusNode,
                     private canopen::FrameSink,
                     private canopen::NodeApplication,
-                    private canopen::DeviceOwner {
+                    private canopen::DeviceOwner {  // Large: one short function per object and mode
  public:
   static constexpr std::uint64_t kBootTime_us = 50'000;  // from power to the boot-up message
   static constexpr std::uint64_t kSyncTolerance = 5;     // cycles without SYNC that a moving drive bears
@@ -102,7 +102,7 @@ class Drive final : private BusNode,
     target_given_ = true;
   }
   void fault(std::uint16_t error_code, std::uint8_t register_bits);
-  // What 0x6007 asks for when the controller is lost, or takes the node out of operational.
+  // Obeys 0x6007 when the controller is lost, or takes the node out of operational.
   void abort_connection(std::uint16_t error_code);
   bool slows_down_before(std::uint16_t controlword);
   bool follows_targets() const {
@@ -115,7 +115,7 @@ class Drive final : private BusNode,
   void run_loop();
   void change_mode();
   void make_home();
-  // Of the shaft, as the bus counts it: from home, or from the encoder's own zero.
+  // The shaft's position as the bus counts it: from home, or from the encoder's own zero.
   std::int32_t position_units() const { return servo_.position_units() + home_units_; }
   void watch_bus();
   void watch_sync();

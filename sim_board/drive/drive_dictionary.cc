@@ -30,7 +30,7 @@ constexpr canopen::PdoConfiguration kTpdos[] = {
      .plus_node_id = true,
      .transmission_type = canopen::kEventProfile,
      .inhibit_time_100us = kInhibitTime_100us,
-     // What the controller maps: whoever decodes the bus by koboshi.dbc needs no configured drive.
+     // The controller's mapping, so that a program decodes the bus by koboshi.dbc without a configured drive.
      .mapping = {mapping(cia402::kStatusword, 0, 16), mapping(cia402::kPositionActual, 0, 32),
                  mapping(cia402::kTorqueActual, 0, 16)}},
     kFreeTpdo,
@@ -56,7 +56,7 @@ canopen::NodeDescription drive_node_description(const DriveDescription& drive) {
       .hardware_version = "simulated",
       .software_version = "0.1.0",
       .heartbeat_ms = kNodeHeartbeat_ms,
-      // What a lost controller means is the drive profile's (0x6007); its statusword must stay to be seen.
+      // The drive profile decides about a lost controller (0x6007); its statusword must stay visible.
       .communication_error = canopen::CommunicationError::kNoChange,
       .stored_groups = canopen::kAllGroups,
       .field_device = true,

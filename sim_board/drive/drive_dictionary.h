@@ -88,7 +88,7 @@ inline constexpr std::uint16_t kNodeHeartbeat_ms = 1000;
 // The second SDO channel of a drive with this node id: none where it would meet another one's.
 canopen::SdoChannel pc_channel(std::uint8_t node_id);
 
-// What all drives share but their identity, which stands in the robot file.
+// Describes a drive's node. Drives differ in their identity only, which stands in the robot file.
 canopen::NodeDescription drive_node_description(const DriveDescription& drive);
 
 }  // namespace koboshi::sim_board

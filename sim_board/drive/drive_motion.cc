@@ -7,7 +7,7 @@
 #include "sim_board/drive/motion_limits.h"
 #include "sim_board/servo/position_unit.h"
 
-// What a drive does with its shaft: states, modes of operation, stops, and what it shows of them.
+// How a drive moves its shaft: states, modes of operation, stops, and the objects that show them.
 namespace koboshi::sim_board {
 
 namespace cia402 = canopen::cia402;

@@ -9,7 +9,7 @@
 #include "sim_board/drive/drive_dictionary.h"
 #include "sim_board/drive/motion_profile.h"
 
-// What the limits in a drive's objects leave of the motion that a controller asks for. Positions in 2^-20
+// Reduces the motion that a controller asks for to the limits in a drive's objects. Positions in 2^-20
 // turn.
 namespace koboshi::sim_board {
 
@@ -19,7 +19,7 @@ struct PositionRange {
   double highest_units = std::numeric_limits<std::int32_t>::max();
 };
 
-// Of the targets of a cyclic mode.
+// Limits of the targets of a cyclic mode.
 struct CyclicLimits {
   double step_units = 0.0;  // from one target to the next; more is a jump, and no motion that goes on
   ProfileLimits motion;     // the most that the drive does
@@ -38,7 +38,7 @@ inline PositionRange position_range(const DriveValues& values) {
   return {.lowest_units = values.position_limit[0] * 1.0, .highest_units = values.position_limit[1] * 1.0};
 }
 
-// What the software position limits leave of a target; `present` where they contradict each other.
+// Clamps a target to the software position limits; `present` if they contradict each other.
 inline std::int32_t within_limits(const DriveValues& values, std::int64_t target, std::int32_t present) {
   if (limits_contradict(values)) return present;
   return static_cast<std::int32_t>(

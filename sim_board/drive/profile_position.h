@@ -22,7 +22,7 @@ class ProfilePosition {
 
   bool acknowledges() const { return acknowledges_; }  // statusword bit 12
   bool halted() const { return halted_; }
-  // Of the last target, or of the dynamics of the move under way, something is beyond the drive's limits.
+  // Whether the last target or the dynamics of the move under way exceed the drive's limits.
   bool limited() const { return clipped_ || (moving_ && moving_->limited); }
   bool arrived() const { return !moving_ && !waiting_; }  // the demand, not the shaft
   std::int32_t target() const { return target_; }

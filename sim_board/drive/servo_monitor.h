@@ -11,10 +11,10 @@
 
 namespace koboshi::sim_board {
 
-// What a drive finds wrong with its own hardware.
+// Detects the faults of a drive's own hardware.
 class ServoMonitor {
  public:
-  // Of the nominal supply: a bridge's gate drivers give up at about half of what a servo is made for.
+  // Share of the nominal supply at which the gate drivers of a bridge give up: about a half.
   static constexpr double kLowestSupplyShare = 0.5;
   // Longer than the sag of a supply while a motor starts, shorter than a fall.
   static constexpr std::uint64_t kUnderVoltageTime_us = 10'000;

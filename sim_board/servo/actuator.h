@@ -9,7 +9,7 @@
 
 namespace koboshi::sim_board {
 
-// What stands between the duty cycle that a position loop asks for and the output shaft, one effect a class.
+// The effects between the duty cycle that a position loop asks for and the output shaft, one in each class.
 // Voltages, torques and speeds are those of the shaft. Letters after Rhoban BAM (arXiv 2410.08650).
 
 // The bridge of transistors: it gives at most a part of the supply, less when the winding is hot.

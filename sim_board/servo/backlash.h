@@ -26,7 +26,7 @@ class Backlash {
   }
 
   double rotor_speed_rad_per_s() const { return rotor_speed_rad_per_s_; }
-  // What the rotor felt of the output in the last step: nothing within the gap.
+  // Torque of the output on the rotor in the last step: none within the gap.
   double external_Nm() const { return external_Nm_; }
   // Where the rotor is ahead of the middle of the gap.
   double lead_rad() const { return lead_rad_; }

@@ -6,8 +6,8 @@
 
 namespace koboshi::sim_board {
 
-// What motors draw of a supply of voltage V: I = conductance_S V - generated_A. A bridge with duty d makes of
-// it d V for its motor and takes d i, so that no power is lost: I = d (d V - kt w) / R.
+// The current that motors draw at a supply voltage V: I = conductance_S V - generated_A. A bridge with duty d
+// makes of it d V for its motor and takes d i, so that no power is lost: I = d (d V - kt w) / R.
 struct SupplyLoad {
   double conductance_S = 0.0;
   double generated_A = 0.0;

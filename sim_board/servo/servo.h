@@ -31,7 +31,7 @@ struct ServoOptions {
 //
 // Positions, currents and torques shown are those of the shaft, which turns by sign * joint angle + zero;
 // torques returned are those of the joint.
-class Servo {
+class Servo {  // Large: one member per state of its physics
  public:
   explicit Servo(const JointDescription& joint, const ServoOptions& options = {});
 

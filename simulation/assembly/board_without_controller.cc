@@ -31,7 +31,7 @@ BoardWithoutController::BoardWithoutController(const Scenario& scenario)
   sim_board::BoardOptions options = board_options(scenario_, robot_);
   options.sensors_on_bus = true;
   board_ = make_board(scenario_, robot_, options, host_);
-  board_->unplug_controller();
+  board_->electronics().unplug_controller();
   player_ = std::make_unique<ScenarioPlayer>(scenario_, *board_);
 }
 

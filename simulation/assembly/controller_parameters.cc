@@ -1,11 +1,16 @@
 #include "simulation/assembly/controller_parameters.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cctype>
 #include <cmath>
+#include <iterator>
+#include <stdexcept>
+#include <utility>
 
 #include "firmware/app/controller_objects.h"
 #include "firmware/canopen/dictionary.h"
+#include "simulation/assembly/parameter_keys.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -17,14 +22,12 @@ std::string replaced(std::string text, std::string_view from, std::string_view t
   return text;
 }
 
-// Returns the object's name in the dictionary, in lower case and with underscores.
-std::string parameter_name(const canopen::DescribedObject& object, std::size_t element) {
-  std::string name(object.text.name);
-  if (object.entry.count > 1) name.append(" ").append(object.text.elements[element]);
-  for (char& c : name) {
-    c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? static_cast<char>(std::tolower(c)) : '_';
-  }
-  return name;
+std::string key_of(const canopen::ObjectAddress& address) {
+  const auto found = std::ranges::find(kParameterKeys, address, &ParameterKey::address);
+  if (found == std::end(kParameterKeys))
+    throw std::logic_error(
+        fmt::format("object {:04X}:{:02X} has no key in parameter_keys.h", address.index, address.subindex));
+  return std::string(found->key);
 }
 
 // Objects that PDOs write, such as requests and feedback from drives, are not parameters.
@@ -43,12 +46,11 @@ std::vector<Parameter> make_parameters() {
     const bool is_headed = heading != nullptr && heading->entry.index == object.entry.index;
     const std::string suffix = unit_suffix(object.text.unit.name);
     for (std::uint8_t element = 0; element < object.entry.count; ++element) {
-      const std::string name = parameter_name(object, element);
-      parameters.push_back({.key = suffix.empty() ? name : name + "_" + suffix,
-                            .name_without_unit = name,
-                            .object = &object,
-                            .heading = is_headed ? heading : nullptr,
-                            .element = element});
+      Parameter parameter{.object = &object, .heading = is_headed ? heading : nullptr, .element = element};
+      parameter.key = key_of(parameter.address());
+      const std::size_t unit_size = suffix.empty() ? 0 : 1 + suffix.size();
+      parameter.name_without_unit = parameter.key.substr(0, parameter.key.size() - unit_size);
+      parameters.push_back(std::move(parameter));
     }
   }
   std::ranges::sort(parameters, {}, &Parameter::key);

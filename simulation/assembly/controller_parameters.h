@@ -16,8 +16,8 @@ struct NodeKind;
 
 // A writable object of the controller, or an element of one, with its name in scenarios and studies.
 struct Parameter {
-  std::string key;                            // name with its unit: com_height_mm
-  std::string name_without_unit;              // name in older files: com_height
+  std::string key = {};                       // name with its unit (parameter_keys.h): com_height_mm
+  std::string name_without_unit = {};         // name in older files: com_height
   const canopen::DescribedObject* object{};   // provides type, range and unit
   const canopen::DescribedObject* heading{};  // of its index; null for an index without sub-indices
   std::uint8_t element = 0;

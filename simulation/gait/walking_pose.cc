@@ -7,6 +7,7 @@
 #include "base/text/text.h"
 #include "base/text/user_units.h"
 #include "firmware/fixed/host/convert.h"
+#include "sim_board/description/hinge_tree.h"
 #include "sim_board/world/gravity.h"
 
 namespace koboshi::simulation {
@@ -39,7 +40,11 @@ double stiffness_Nm_per_rad(const sim_board::ServoDescription& servo) {
 }  // namespace
 
 WalkingPose::WalkingPose(const Gait& gait, const sim_board::RobotDescription& robot, const NamedModel& model)
-    : gait_(gait), robot_(robot), model_(model), tree_(robot), upper_body_rad_(robot.joints.size(), 0.0) {
+    : gait_(gait),
+      robot_(robot),
+      model_(model),
+      tree_(sim_board::hinge_tree(robot)),
+      upper_body_rad_(robot.joints.size(), 0.0) {
   for (const Side side : {Side::kLeft, Side::kRight}) {
     // load_named_model has checked that the legs have this geometry.
     if (!robot::make_leg_geometry(model.model, side, legs_[static_cast<std::size_t>(side)])) {
@@ -61,11 +66,11 @@ std::vector<double> WalkingPose::targets_rad(const GaitInstant& instant) const {
   X_WB.linear() = Eigen::AngleAxisd(gait_.trunk_pitch_rad, Vector3d::UnitY()).toRotationMatrix();
   const Vector3d wanted_W(instant.com_W_m.x(), instant.com_W_m.y(), gait_.com_height_m);
   X_WB.translation() = wanted_W;
-  X_WB.translation() = wanted_W - centre_of_mass(tree_.poses(robot_, X_WB, upper_body_rad_)) + wanted_W;
+  X_WB.translation() = wanted_W - tree_.centre_of_mass(tree_.poses(X_WB, upper_body_rad_)) + wanted_W;
   std::vector<double> angles_rad;
   for (int round = 0; round < kRounds; ++round) {
     angles_rad = solve_legs(instant, X_WB);
-    X_WB.translation() += wanted_W - centre_of_mass(tree_.poses(robot_, X_WB, angles_rad));
+    X_WB.translation() += wanted_W - tree_.centre_of_mass(tree_.poses(X_WB, angles_rad));
   }
   compensate_sag(instant, X_WB, angles_rad);
   check_limits(angles_rad);
@@ -91,7 +96,7 @@ std::vector<double> WalkingPose::solve_legs(const GaitInstant& instant, const Is
 // moment of the ground reaction force, less the weight of the links below the joint.
 void WalkingPose::compensate_sag(const GaitInstant& instant, const Isometry3d& X_WB,
                                  std::vector<double>& angles_rad) const {
-  const std::vector<Isometry3d> X_WLs = tree_.poses(robot_, X_WB, angles_rad);
+  const std::vector<Isometry3d> X_WLs = tree_.poses(X_WB, angles_rad);
   const double g = sim_board::kGravity_m_per_s2;
   for (std::size_t side = 0; side < legs_.size(); ++side) {
     Vector3d force_W(0.0, 0.0, instant.load_share[side] * robot_.total_mass_kg() * g);
@@ -114,14 +119,6 @@ void WalkingPose::compensate_sag(const GaitInstant& instant, const Isometry3d& X
       angles_rad[joint_index] -= gait_.sag_compensation * load_Nm / stiffness_Nm_per_rad(joint.servo);
     }
   }
-}
-
-Vector3d WalkingPose::centre_of_mass(const std::vector<Isometry3d>& X_WLs) const {
-  Vector3d moment = Vector3d::Zero();
-  for (std::size_t link = 0; link < robot_.links.size(); ++link) {
-    moment += robot_.links[link].mass_kg * (X_WLs[link] * robot_.links[link].p_LCom_L);
-  }
-  return moment / robot_.total_mass_kg();
 }
 
 void WalkingPose::check_limits(const std::vector<double>& angles_rad) const {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "firmware/robot/leg.h"
+#include "mechanics/hinge_tree.h"
 #include "sim_board/description/description.h"
-#include "sim_board/world/link_tree.h"
 #include "simulation/gait/gait.h"
 #include "simulation/gait/gait_plan.h"
 #include "simulation/model/robot_model.h"
@@ -26,13 +26,12 @@ class WalkingPose {
   std::vector<double> solve_legs(const GaitInstant& instant, const Eigen::Isometry3d& X_WB) const;
   void compensate_sag(const GaitInstant& instant, const Eigen::Isometry3d& X_WB,
                       std::vector<double>& angles_rad) const;
-  Eigen::Vector3d centre_of_mass(const std::vector<Eigen::Isometry3d>& X_WLs) const;
   void check_limits(const std::vector<double>& angles_rad) const;
 
   const Gait& gait_;
   const sim_board::RobotDescription& robot_;
   const NamedModel& model_;
-  sim_board::LinkTree tree_;
+  mechanics::HingeTree tree_;
   std::array<robot::LegGeometry, 2> legs_;
   std::vector<double> upper_body_rad_;  // by joint; zero for the legs
 };

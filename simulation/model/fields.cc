@@ -200,7 +200,7 @@ void check_offset(const RobotDescription& robot, int line, const std::string& wh
   }
 }
 
-// What the firmware would refuse without the joint's name.
+// Refuses what the firmware would refuse without the joint's name.
 void check_fields(const RobotDescription& robot, const JointDescription& joint, const robot::Joint& fields) {
   check_offset(robot, joint.line, "joint " + joint.name, "the joint that carries it", fields.anchor);
   check_offset(robot, robot.links.at(static_cast<std::size_t>(joint.child)).line,

@@ -24,7 +24,7 @@ namespace koboshi::simulation {
 
 // Log of the events of a run with time and cause, as sentences and as data (docs/reference/events.md).
 // Observes only the frames on the bus and the ground truth, not the firmware's internals.
-class EventLog {
+class EventLog {  // Large: one member per kind of event seen last
  public:
   // Scenario and model must outlive the log. `limits` are the velocity limits of the controller.
   EventLog(const Scenario& scenario, const NamedModel& model, const walk::VelocityLimits& limits = {});

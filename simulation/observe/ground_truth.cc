@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "sim_board/description/hinge_tree.h"
 #include "sim_board/world/ground_truth.h"
 #include "sim_board/world/support_polygon.h"
 
@@ -21,7 +22,7 @@ Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d& R) {
 TruthObserver::TruthObserver(const sim_board::RobotDescription& robot, sim_board::GroundDescription ground)
     : robot_(robot),
       ground_(std::move(ground)),
-      tree_(robot),
+      tree_(sim_board::hinge_tree(robot)),
       feet_(sim_board::feet_of(robot)),
       targets_rad_(robot.joints.size(), 0.0) {}
 
@@ -83,7 +84,7 @@ double TruthObserver::pose_height_m(const Telemetry& telemetry) {
   for (std::size_t joint = 0; joint < targets_rad_.size(); ++joint) {
     targets_rad_[joint] = telemetry.joints[joint].target_rad;
   }
-  tree_.poses(robot_, Eigen::Isometry3d::Identity(), targets_rad_, X_BLs_);
+  tree_.poses(Eigen::Isometry3d::Identity(), targets_rad_, X_BLs_);
   double height_m = 0.0;
   for (const auto& foot : feet_) {
     if (!foot) continue;

@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
+#include "mechanics/hinge_tree.h"
 #include "sim_board/description/description.h"
 #include "sim_board/world/foot.h"
 #include "sim_board/world/ground.h"
-#include "sim_board/world/link_tree.h"
 #include "sim_board/world/world.h"
 #include "simulation/observe/telemetry.h"
 
@@ -59,7 +59,7 @@ class TruthObserver {
 
   const sim_board::RobotDescription& robot_;
   const sim_board::GroundDescription ground_;
-  sim_board::LinkTree tree_;
+  mechanics::HingeTree tree_;
   std::array<std::optional<sim_board::Foot>, 2> feet_;
   std::array<Anchor, 2> anchors_;
   std::vector<double> targets_rad_;

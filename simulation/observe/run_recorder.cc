@@ -47,7 +47,7 @@ RunRecorder::RunRecorder(Simulation& simulation, Recorder* recorder, sim_board::
   truth_now_ = &truth_.observe(simulation.board().world(), telemetry_.now());
   if (recorder_ != nullptr || rows == Rows::kAlways) trace_ = trace_fields(simulation.robot());
   for (const TraceFields& fields : trace_) row_.reserve(row_.capacity() + fields.columns.size());
-  simulation_.board().bus().set_observer(this);
+  simulation_.board().electronics().bus().set_observer(this);
   simulation_.attach(*this);
 }
 
@@ -93,7 +93,7 @@ void RunRecorder::record_tick() {
 void RunRecorder::hash_state() {
   const sim_board::World& world = simulation_.board().world();
   hash_.add(simulation_.board().now_us());
-  hash_.add(static_cast<std::uint8_t>(simulation_.board().drive_enable_line()));
+  hash_.add(static_cast<std::uint8_t>(simulation_.board().electronics().drive_enable_line()));
   for (std::size_t link = 0; link < simulation_.robot().links.size(); ++link) {
     const sim_board::BodyState body = world.body(static_cast<int>(link));
     hash_.add(numbers_of(body.X_WL.matrix()));
@@ -132,16 +132,17 @@ RunSummary RunRecorder::summary() const {
   const sim_board::SimBoard& board = simulation_.board();
   RunSummary summary;
   summary.fell = fell_;
-  summary.verdict = events_.verdict(board.watchdog_bitten());
+  summary.verdict = events_.verdict(board.electronics().watchdog_bitten());
   summary.falls = events_.falls();
   summary.stands = events_.stands();
-  summary.events = events_.events(board.watchdog_bitten());
+  summary.events = events_.events(board.electronics().watchdog_bitten());
   summary.duration_s = 1e-6 * static_cast<double>(board.now_us());
-  summary.can_bus_load = sim_board::bus_load({}, board.bus().usage());
+  summary.can_bus_load = sim_board::bus_load({}, board.electronics().bus().usage());
   summary.state_hash = hash_.hex();
   // A controller that is not error active counts as a fault of its own: it may be unable to report it.
-  const bool mute = board.controller_can_status().state != hal::CanErrorState::kErrorActive;
-  summary.faults = telemetry_.now().emergencies + (mute ? 1 : 0) + (board.watchdog_bitten() ? 1 : 0);
+  const bool mute = board.electronics().controller_can_status().state != hal::CanErrorState::kErrorActive;
+  summary.faults =
+      telemetry_.now().emergencies + (mute ? 1 : 0) + (board.electronics().watchdog_bitten() ? 1 : 0);
   summary.solver_warnings = board.world().solver_warnings();
   summary.stepper = sim_board::name_of(simulation_.scenario().physics.stepper);
   summary.base_height_error_max_m = base_height_error_m_;

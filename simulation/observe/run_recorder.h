@@ -31,7 +31,7 @@ class RunRecorder final : private sim_board::BusObserver, private Companion {
   RunRecorder(Simulation& simulation, Recorder* recorder, sim_board::BusObserver* listener = nullptr,
               Rows rows = Rows::kForFiles);
   ~RunRecorder() {
-    simulation_.board().bus().set_observer(nullptr);
+    simulation_.board().electronics().bus().set_observer(nullptr);
     simulation_.detach(*this);
   }
   RunRecorder(const RunRecorder&) = delete;

@@ -71,7 +71,7 @@ void add_controller(Fields& fields) {
       "reason_name", [](Sample s) { return s.told.reason; }, app::kReasonNames);
   fields.add_integer("drive_fault", [](Sample s) { return s.told.drive_fault; });
   fields.add_integer("emergencies", [](Sample s) { return s.told.emergencies; });
-  fields.add_integer("drive_enable", [](Sample s) { return s.board.drive_enable_line(); });
+  fields.add_integer("drive_enable", [](Sample s) { return s.board.electronics().drive_enable_line(); });
   fields.add({"imu_roll", "imu_pitch"}, "rad", [](Sample s) {
     return std::array{s.told.roll_rad, s.told.pitch_rad};
   });

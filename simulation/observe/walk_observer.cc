@@ -36,9 +36,9 @@ WalkObserver::WalkObserver(const sim_board::RobotDescription& robot, const Scena
 void WalkObserver::observe_sensors(const sim_board::SimBoard& board) {
   if (walking_) {
     sensor_check_.observe(board);
-    energy_J_ += board.drawn_J() - drawn_J_;
+    energy_J_ += board.electronics().drawn_J() - drawn_J_;
   }
-  drawn_J_ = board.drawn_J();
+  drawn_J_ = board.electronics().drawn_J();
 }
 
 void WalkObserver::observe_tick(const GroundTruth& truth, const Telemetry& said) {

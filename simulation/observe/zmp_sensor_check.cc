@@ -16,7 +16,7 @@ ZmpSensorCheck::ZmpSensorCheck(const sim_board::RobotDescription& robot, const S
 void ZmpSensorCheck::observe(const sim_board::SimBoard& board) {
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
     const auto i = static_cast<std::size_t>(side);
-    const sim_board::AnkleSensor* sensor = board.ankle_sensor(side);
+    const sim_board::AnkleSensor* sensor = board.electronics().ankle_sensor(side);
     if (sensor == nullptr) continue;
     const sim_board::AnkleZmp::Reading shown = sensors_[i]->read(sensor->wrench_S());
     const sim_board::FootPressure truth = sim_board::foot_pressure(robot_, *feet_[i], board.world());

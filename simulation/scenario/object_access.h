@@ -42,9 +42,9 @@ struct ObjectAnswer {
 // for the PC, and the default channel of every other node.
 class ObjectAccess {
  public:
-  // Of each message. Set by hand (2026-11-24): ten control cycles.
+  // Time-out of each message. Set by hand (2026-11-24): ten control cycles.
   static constexpr std::uint64_t kTimeout_us = 100'000;
-  // Of each message of a write by segments, before which the node may have to erase flash: that of
+  // Time-out of each segment of a write, before which the node may have to erase flash: that of
   // tools::SdoTransfer.
   static constexpr std::uint64_t kStoreTimeout_us = 1'000'000;
   static constexpr std::size_t kMaxBytes = 4096;

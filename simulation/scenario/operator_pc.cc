@@ -37,7 +37,7 @@ std::uint8_t code_of(Command::Kind kind) {
 OperatorPc::OperatorPc(sim_board::SimBoard& board, std::vector<SdoWrite> writes)
     : board_(board), parameters_(*this), access_(*this) {
   for (SdoWrite& parameter : writes) write(std::move(parameter));
-  board_.set_operator_listener(this);
+  board_.electronics().set_operator_listener(this);
 }
 
 void OperatorPc::write(SdoWrite write) {

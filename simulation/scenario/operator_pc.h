@@ -41,7 +41,7 @@ class OperatorPc final : private sim_board::BusNode, private canopen::FrameSink 
 
   // The board must outlive the PC.
   OperatorPc(sim_board::SimBoard& board, std::vector<SdoWrite> writes);
-  ~OperatorPc() { board_.set_operator_listener(nullptr); }
+  ~OperatorPc() { board_.electronics().set_operator_listener(nullptr); }
   OperatorPc(const OperatorPc&) = delete;
   OperatorPc& operator=(const OperatorPc&) = delete;
 
@@ -64,7 +64,7 @@ class OperatorPc final : private sim_board::BusNode, private canopen::FrameSink 
 
  private:
   void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
-  bool send(const hal::CanFrame& frame) override { return board_.send_as_operator(frame); }
+  bool send(const hal::CanFrame& frame) override { return board_.electronics().send_as_operator(frame); }
   void repeat_velocity();
   void write_parameters();
   [[noreturn]] void give_up(const ObjectAnswer& answer) const;

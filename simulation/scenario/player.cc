@@ -7,7 +7,7 @@
 
 #include "base/text/error.h"
 #include "base/text/text.h"
-#include "sim_board/world/link_tree.h"
+#include "sim_board/description/hinge_tree.h"
 #include "sim_board/world/placement.h"
 #include "simulation/scenario/make_ground.h"
 
@@ -36,7 +36,7 @@ sim_board::BoardOptions board_options(const Scenario& scenario, const sim_board:
   if (scenario.initial.base_height_m) {
     world.X_WB.translation().z() = *scenario.initial.base_height_m;
   } else {
-    const auto X_WLs = sim_board::LinkTree(robot).poses(robot, world.X_WB, world.joint_positions_rad);
+    const auto X_WLs = sim_board::hinge_tree(robot).poses(world.X_WB, world.joint_positions_rad);
     world.X_WB.translation().z() = lift_onto_ground(robot, X_WLs, world.ground) + scenario.initial.drop_m;
   }
   return options;
@@ -64,7 +64,8 @@ ScenarioPlayer::ScenarioPlayer(const Scenario& scenario, sim_board::SimBoard& bo
       pushes_(scenario.pushes),
       faults_(scenario.faults),
       held_(scenario.initial.release_us.has_value()) {
-  for (const Push& push : pushes_) pushed_links_.push_back(*board.robot().find_link(push.link.text));
+  for (const Push& push : pushes_)
+    pushed_links_.push_back(*board.electronics().robot().find_link(push.link.text));
   for (std::size_t i = 0; i < faults_.size(); ++i) schedule(i);
   for (const FaultEvent& event : fault_events_) {
     const Fault& fault = faults_[event.fault];
@@ -106,7 +107,7 @@ void ScenarioPlayer::push(Push push) {
   push.at_us = board_.now_us();
   const auto place = std::ranges::upper_bound(pushes_, push.at_us, {}, &Push::at_us);
   pushed_links_.insert(pushed_links_.begin() + (place - pushes_.begin()),
-                       *board_.robot().find_link(push.link.text));
+                       *board_.electronics().robot().find_link(push.link.text));
   pushes_.insert(place, std::move(push));
 }
 
@@ -133,37 +134,38 @@ void ScenarioPlayer::before_step(sim_board::World& world, std::uint64_t start_us
   for (std::size_t i = 0; i < pushes_.size(); ++i) {
     const Push& push = pushes_[i];
     if (push.at_us >= end_us || push.at_us + push.duration_us <= start_us) continue;
-    const sim_board::LinkDescription& link = board_.robot().links[static_cast<std::size_t>(pushed_links_[i])];
+    const sim_board::LinkDescription& link =
+        board_.electronics().robot().links[static_cast<std::size_t>(pushed_links_[i])];
     world.push(pushed_links_[i], push.p_L_m.value_or(link.p_LCom_L), push.mean_force_W_N(start_us, end_us));
   }
 }
 
 std::size_t ScenarioPlayer::joint_of(const Fault& fault) const {
-  return static_cast<std::size_t>(*board_.robot().find_joint(fault.target.text));
+  return static_cast<std::size_t>(*board_.electronics().robot().find_joint(fault.target.text));
 }
 
 void ScenarioPlayer::cause(const Fault& fault) {
   switch (fault.kind) {
     case Fault::Kind::kDriveSilent:
-      return board_.hang_drive(joint_of(fault));
+      return board_.electronics().hang_drive(joint_of(fault));
     case Fault::Kind::kDrivePowerLoss:
-      return board_.cut_drive_power(joint_of(fault));
+      return board_.electronics().cut_drive_power(joint_of(fault));
     case Fault::Kind::kEncoderBreak:
-      return board_.break_encoder(joint_of(fault));
+      return board_.electronics().break_encoder(joint_of(fault));
     case Fault::Kind::kDriveOverheat:
-      return board_.overheat_drive(joint_of(fault));
+      return board_.electronics().overheat_drive(joint_of(fault));
     case Fault::Kind::kSupplyDrop:
-      return board_.limit_supply(fault.highest_V);
+      return board_.electronics().limit_supply(fault.highest_V);
     case Fault::Kind::kImuStop:
-      return board_.set_imu_running(false);
+      return board_.electronics().set_imu_running(false);
     case Fault::Kind::kAnkleStop:
-      return board_.set_ankle_running(fault.side, false);
+      return board_.electronics().set_ankle_running(fault.side, false);
     case Fault::Kind::kControllerStop:
-      return board_.set_controller_running(false);
+      return board_.electronics().set_controller_running(false);
     case Fault::Kind::kBusUnacknowledged:
-      return board_.isolate_controller();
+      return board_.electronics().isolate_controller();
     case Fault::Kind::kBusDominant:
-      return board_.bus().set_dominant(true);
+      return board_.electronics().bus().set_dominant(true);
     case Fault::Kind::kFramesLost:
     case Fault::Kind::kFramesCorrupted:
     case Fault::Kind::kFramesDelayed:
@@ -179,38 +181,38 @@ void ScenarioPlayer::add_babbler(const Fault& fault) {
   sim_board::Babble babble = fault.babble;
   babble.from_us = fault.at_us;
   babble.until_us = fault.end_us();
-  board_.add_babbler(babble);
+  board_.electronics().add_babbler(babble);
 }
 
 void ScenarioPlayer::disturb_frames(const Fault& fault) {
   sim_board::FrameFault frames = fault.frames;
   if (fault.target.text == kControllerTarget) {
-    frames.node = board_.controller_bus_handle();
+    frames.node = board_.electronics().controller_bus_handle();
   } else if (!fault.target.text.empty()) {
-    frames.node = board_.drive(joint_of(fault)).bus_handle();
+    frames.node = board_.electronics().drive(joint_of(fault)).bus_handle();
   }
   frames.from_us = fault.at_us;
   frames.until_us = fault.end_us();
-  board_.add_frame_fault(frames);
+  board_.electronics().add_frame_fault(frames);
 }
 
 void ScenarioPlayer::mend(const Fault& fault) {
   switch (fault.kind) {
     case Fault::Kind::kDriveSilent:
     case Fault::Kind::kDrivePowerLoss:
-      return board_.restart_drive(joint_of(fault));
+      return board_.electronics().restart_drive(joint_of(fault));
     case Fault::Kind::kSupplyDrop:
-      return board_.limit_supply(std::nullopt);
+      return board_.electronics().limit_supply(std::nullopt);
     case Fault::Kind::kImuStop:
-      return board_.set_imu_running(true);
+      return board_.electronics().set_imu_running(true);
     case Fault::Kind::kAnkleStop:
-      return board_.set_ankle_running(fault.side, true);
+      return board_.electronics().set_ankle_running(fault.side, true);
     case Fault::Kind::kControllerStop:
-      return board_.set_controller_running(true);
+      return board_.electronics().set_controller_running(true);
     case Fault::Kind::kBusUnacknowledged:
-      return board_.rejoin_controller();
+      return board_.electronics().rejoin_controller();
     case Fault::Kind::kBusDominant:
-      return board_.bus().set_dominant(false);
+      return board_.electronics().bus().set_dominant(false);
     // Frame faults end by their own schedule, to the microsecond.
     case Fault::Kind::kFramesLost:
     case Fault::Kind::kFramesCorrupted:

@@ -309,7 +309,7 @@ behaviour::State OperatorCommands::state() const {
                            : static_cast<behaviour::State>(static_cast<std::uint8_t>(value));
 }
 
-// What the controller on the bus reported last; NaN: nothing yet.
+// The state that the controller on the bus reported last; NaN: nothing yet.
 float OperatorCommands::bus_state() const {
   const view::Recording& recording = run_.recording();
   const auto signal = view::find_signal(recording, RunController::kBusState);

@@ -22,9 +22,9 @@
 
 namespace koboshi::studio {
 
-// What the window shows: a simulation, a recorded run, or a robot on a CAN bus, and the cursor, the moment
+// The run in the window: a simulation, a recorded run, or a robot on a CAN bus, and the cursor, the moment
 // that all panels show. While a simulation runs, the cursor is at its newest sample until somebody moves it.
-class RunController final : public QObject {
+class RunController final : public QObject {  // Large: what every panel may ask of a run
   Q_OBJECT
 
  public:
@@ -41,7 +41,7 @@ class RunController final : public QObject {
     RecordingWindow window;
     OverviewReader overview;
   };
-  // What open() shows: a session, a recording in memory or on the disk, or a bus.
+  // The run that open() shows: a session, a recording in memory or on the disk, or a bus.
   struct Opened {
     std::unique_ptr<Session> session;
     view::Recording recording;
@@ -72,7 +72,8 @@ class RunController final : public QObject {
 
   Source source() const { return source_; }
   const std::filesystem::path& file() const { return file_; }
-  // Of a recorded run on the disk: samples, pushes and frames around the cursor, and the events read so far.
+  // If the run is recorded on the disk: samples, pushes and frames around the cursor, and the events read so
+  // far.
   const view::Recording& recording() const { return recording_; }
   // Whether recording() holds a part of the run only.
   bool is_windowed() const { return recorded_ != nullptr; }

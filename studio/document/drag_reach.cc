@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "firmware/fixed/host/convert.h"
+#include "sim_board/description/hinge_tree.h"
 
 namespace koboshi::studio {
 namespace {
@@ -17,7 +18,7 @@ using robot::JointRole;
 
 // Length by which a rotation counts as a distance: that of a foot.
 constexpr double kLever_m = 0.1;
-// What has to be kept is kept if it misses less than this; the tests ask for twice as much.
+// Error below which a constraint counts as kept; the tests ask for twice as much.
 constexpr double kKept_m = 5e-5;
 // A pose that another start finds has to be nearer by this, so that the branch does not change in a drag.
 constexpr double kNearer_m = 2e-4;
@@ -66,7 +67,7 @@ DragReach::DragReach(const MotionRobot& robot, std::span<const double> angles_ra
                      const Vector3d& grabbed_B_m, std::uint32_t joints)
     : robot_(robot),
       dragged_(dragged),
-      tree_(*robot.description),
+      tree_(sim_board::hinge_tree(*robot.description)),
       start_rad_(angles_rad.begin(), angles_rad.end()),
       link_(link_of(robot, dragged.body)),
       feet_{link_of(robot, DragBody::kLeftFoot), link_of(robot, DragBody::kRightFoot)},
@@ -81,7 +82,7 @@ DragReach::DragReach(const MotionRobot& robot, std::span<const double> angles_ra
     return values;
   };
   bounds_ = {limits(&robot::Joint::lower), limits(&robot::Joint::upper)};
-  const Links links = tree_.poses(*robot_.description, Isometry3d::Identity(), start_rad_);
+  const Links links = tree_.poses(Isometry3d::Identity(), start_rad_);
   X_BBody_ = links[link_];
   X_BSupport_ = links[feet_[0]];
   X_SupportOther_ = links[feet_[0]].inverse() * links[feet_[1]];
@@ -112,16 +113,16 @@ VectorXd DragReach::soles_error_m(const Links& links) const {
   return error;
 }
 
-Residuals DragReach::residuals(const Vector3d& displacement_B_m, const Vector3d& rotation_B_rad,
-                               std::span<const double> angles_rad) const {
-  const Links links = tree_.poses(*robot_.description, Isometry3d::Identity(), angles_rad);
+mechanics::Residuals DragReach::residuals(const Vector3d& displacement_B_m, const Vector3d& rotation_B_rad,
+                                          std::span<const double> angles_rad) const {
+  const Links links = tree_.poses(Isometry3d::Identity(), angles_rad);
   const Isometry3d X_BNow = moved_body(links);
   const Vector3d place_m = X_BNow * (X_BBody_.inverse() * grabbed_B_m_) - grabbed_B_m_ - displacement_B_m;
   if (is_arm(dragged_.body)) return {VectorXd(0), place_m};
   const Vector3d turn_m =
       kLever_m *
       rotation_vector(X_BNow.linear() * (matrix_of(rotation_B_rad) * X_BBody_.linear()).transpose());
-  Residuals result{turn_m, place_m};
+  mechanics::Residuals result{turn_m, place_m};
   if (rotates(displacement_B_m, rotation_B_rad)) std::swap(result.hard, result.soft);
   if (dragged_.body == DragBody::kTrunk && dragged_.support == DragSupport::kBothFeet) {
     VectorXd hard(9);
@@ -149,14 +150,18 @@ std::vector<double> DragReach::nearest(const Vector3d& displacement_B_m, const V
   if (is_arm(dragged_.body))
     for (const double share : kStarts)
       starts.emplace_back(bounds_.lower + share * (bounds_.upper - bounds_.lower));
-  const ResidualFunction function = [&](const VectorXd& q) {
-    return residuals(displacement_B_m, rotation_B_rad, with_variables(q));
+  using mechanics::Residuals;
+  Residuals left = residuals(displacement_B_m, rotation_B_rad, from);
+  mechanics::BoundedLeastSquares solver(joints_.size(), static_cast<std::size_t>(left.hard.size()),
+                                        static_cast<std::size_t>(left.soft.size()));
+  const auto function = [&](const VectorXd& q, Residuals& result) {
+    result = residuals(displacement_B_m, rotation_B_rad, with_variables(q));
   };
   std::vector<double> best;
   double best_m = std::numeric_limits<double>::infinity();
-  for (const VectorXd& start : starts) {
-    const VectorXd q = minimise_residuals(function, bounds_, start);
-    const Residuals left = function(q);
+  for (VectorXd& q : starts) {
+    solver.minimise(function, bounds_, q);
+    function(q, left);
     if (left.hard.norm() > kKept_m || left.soft.norm() >= best_m - kNearer_m) continue;
     best_m = left.soft.norm();
     best = with_variables(q);

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "sim_board/world/link_tree.h"
-#include "studio/document/bounded_least_squares.h"
+#include "mechanics/bounded_least_squares.h"
+#include "mechanics/hinge_tree.h"
 #include "studio/document/drag_body.h"
 #include "studio/document/motion_robot.h"
 
@@ -15,7 +15,7 @@ namespace koboshi::studio {
 
 // The reach of a drag: the pose within the joint limits that is nearest to a target out of reach.
 //
-// Of a hand, the grabbed point comes as near to its target as it can. A foot or the trunk that is moved keeps
+// The grabbed point of a hand comes as near to its target as it can. A foot or the trunk that is moved keeps
 // its orientation, and its grabbed point comes as near as it then can; one that is rotated keeps the grabbed
 // point, and turns as far as it then can. While the trunk moves over both feet, the soles stay where they are
 // relative to each other.
@@ -34,7 +34,7 @@ class DragReach {
   [[nodiscard]] std::vector<double> nearest(const Eigen::Vector3d& displacement_B_m,
                                             const Eigen::Vector3d& rotation_B_rad,
                                             std::span<const double> from) const;
-  // What is left of the way of the grabbed point, or of a rotation; the other one is 0.
+  // The remaining distance of the grabbed point, or angle of a rotation; the other one is 0.
   struct Missing {
     double m = 0.0;
     double rad = 0.0;
@@ -51,15 +51,16 @@ class DragReach {
   std::vector<double> with_variables(const Eigen::VectorXd& q) const;
   Eigen::Isometry3d moved_body(const Links& links) const;
   Eigen::VectorXd soles_error_m(const Links& links) const;
-  Residuals residuals(const Eigen::Vector3d& displacement_B_m, const Eigen::Vector3d& rotation_B_rad,
-                      std::span<const double> angles_rad) const;
+  mechanics::Residuals residuals(const Eigen::Vector3d& displacement_B_m,
+                                 const Eigen::Vector3d& rotation_B_rad,
+                                 std::span<const double> angles_rad) const;
 
   const MotionRobot& robot_;
   Dragged dragged_;
-  sim_board::LinkTree tree_;
+  mechanics::HingeTree tree_;
   std::vector<double> start_rad_;
   std::vector<std::size_t> joints_;
-  VariableBounds bounds_;
+  mechanics::VariableBounds bounds_;
   std::size_t link_ = 0;               // the dragged one
   std::array<std::size_t, 2> feet_{};  // links; the support of the trunk, and the other one
   Eigen::Vector3d grabbed_B_m_;

@@ -53,7 +53,7 @@ struct StepPlace {
 // replace_text while the text is no YAML. A text with errors of the motion language stays editable. Rows are
 // indices into rows() of the present revision; `rows` of one edit may be in any order, and a row stands for
 // its body as well. Edits with one non-empty `drag` merge into one step until end_drag() or another edit.
-class MotionDocument final : public TextDocument {
+class MotionDocument final : public TextDocument {  // Large: one function per edit
  public:
   // Opens a file. `recovery_folder`: for autosave; empty: none. Throws InputError if the file cannot be
   // read; a file with errors opens.
@@ -72,9 +72,9 @@ class MotionDocument final : public TextDocument {
   const MotionRobot& robot() const { return *robot_; }
   const std::string& text() const override { return text_; }
 
-  // What the present text means. Pointers and references are valid until the next change.
+  // The meaning of the present text. Pointers and references are valid until the next change.
   const YamlNode* tree() const;  // nullptr: no YAML
-  // What the compiler understood; nullptr after too many errors.
+  // The source as the compiler understood it; nullptr after too many errors.
   const simulation::MotionSource* source() const;
   const simulation::CompiledMotion* compiled() const;  // nullptr: errors
   const std::vector<simulation::Diagnostic>& diagnostics() const { return diagnostics_; }

@@ -122,7 +122,7 @@ class RowBuilder {
     section.rows[index].angles_rad = state.angles_rad;
   }
 
-  // What the compiler has understood.
+  // Describes a step that the compiler has understood.
   static void describe(const StepSource& step, MotionRow& row) {
     row.kind = step.kind;
     row.label = step.label;

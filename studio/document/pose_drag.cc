@@ -65,7 +65,7 @@ simulation::Target target_of(const Isometry3d& X) {
   return target;
 }
 
-// Of the limb that moves; of the trunk, of its support, and of both feet the left one.
+// The side of the limb that moves. The trunk has that of its support, and the left one on both feet.
 std::size_t side_of(DragBody body, DragSupport support) {
   if (body == DragBody::kTrunk) return support == DragSupport::kRightFoot ? 1 : 0;
   return body == DragBody::kRightFoot || body == DragBody::kRightHand ? 1 : 0;

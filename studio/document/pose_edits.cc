@@ -167,7 +167,7 @@ std::vector<YamlEdit> MotionDocument::angle_edits(const YamlDocument& yaml, cons
   bool moves_determined = false;
   for (const JointAngle& angle : angles) {
     const std::string text = angle_text(*robot_, angle, source_name());
-    // What the step reaches already needs no key.
+    // An angle that the step reaches already needs no key.
     const bool is_allowed = (allowed >> angle.joint & 1U) != 0;
     const bool is_given = (row.moved >> angle.joint & 1U) != 0;
     const bool is_reached = std::abs(row.angles_rad.at(angle.joint) - angle.angle_rad) < kHalfUnit_rad;

@@ -41,7 +41,7 @@ inline constexpr std::array<ButtonMeaning, kGamepadButtons> kButtonMeanings{
 // comes, the sticks must be released once before the robot walks.
 class GamepadPilot {
  public:
-  // Of each stick's axis: worn sticks rest at up to 0.1, and a thumb at rest moves one a little.
+  // Dead band of each axis: worn sticks rest at up to 0.1, and a thumb at rest moves one a little.
   static constexpr double kDeadBand = 0.15;
 
   void set_limits(const StickLimits& limits) { limits_ = limits; }

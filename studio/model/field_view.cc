@@ -38,8 +38,8 @@ QString label_of(const sim_board::ModelField& field) {
   return qt_text(label + sim_board::field_label(field));
 }
 
-// What a panel shows: halves instead of whole poses, and of what the file lacks only values that it can take
-// alone.
+// Whether a panel shows the field: halves instead of whole poses, and missing fields only if the file can
+// take them alone.
 bool is_shown(const sim_board::ModelField& field) {
   if (field.part == sim_board::PosePart::kWhole && field.attribute == nullptr && field.numbers() == 6)
     return false;

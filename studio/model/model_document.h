@@ -32,7 +32,7 @@ class ModelDocument final : public TextDocument {
   const std::string& text() const override { return xml_.text(); }
   const XmlDocument& xml() const { return xml_; }
 
-  // What the present text means, with its findings. References are valid until the next change.
+  // The meaning of the present text, with its findings. References are valid until the next change.
   const sim_board::RobotDescription& robot() const;
   const tools::ModelReport& report() const;
   std::vector<sim_board::ModelElement> elements() const { return sim_board::model_elements(xml_); }

@@ -203,7 +203,7 @@ void ModelPanel::follow_document() {
   Q_EMIT changed();
 }
 
-// --- What the panel says
+// --- The sentences of the panel
 
 void ModelPanel::set_running(const std::optional<std::string>& text) {
   running_.reset();

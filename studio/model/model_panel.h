@@ -58,7 +58,7 @@ class ModelPanel final : public QWidget {
 
   BodyTree& bodies() { return *bodies_; }
   FieldView& fields() { return *fields_; }
-  // What the panel says about the simulation, and about the last edit.
+  // The panel's sentences about the simulation and about the last edit.
   QString effect() const;
   QString message() const;
   // Whether edits are made on both sides of the robot.

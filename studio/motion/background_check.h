@@ -18,14 +18,14 @@
 
 namespace koboshi::studio {
 
-// What the check says about 10 ms of the motion.
+// The check's result for 10 ms of the motion.
 struct CheckedTick {
   int line = 0;           // of the step in the file
   double margin_m = 0.0;  // NaN: balance is not judged
   // The greatest share of a servo's torque at the lowest supply; NaN: not judged.
   double torque_share = 0.0;
   std::uint8_t torque_joint = 0;
-  // Of each servo, by joint; null: not judged.
+  // The load of each servo, by joint; null: not judged.
   std::shared_ptr<const std::vector<tools::ServoLoad>> loads = {};
 };
 

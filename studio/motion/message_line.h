@@ -26,7 +26,7 @@ class MessageLine final : public QWidget {
   void show_row(std::size_t row);
   void show_next(int step);  // 1 or -1
   QString text() const { return full_text_; }
-  // What the check says about the whole motion.
+  // The check's verdict about the whole motion.
   QString verdict() const;
 
  Q_SIGNALS:

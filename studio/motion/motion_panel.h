@@ -30,7 +30,7 @@ class Timeline;
 
 // The motion editor: the steps as a table and as a timeline, the joints of the current step as sliders, and a
 // line with messages. It never opens a window because of an error.
-class MotionPanel final : public QWidget {
+class MotionPanel final : public QWidget {  // Large: one function per action of the menu
   Q_OBJECT
 
  public:
@@ -53,7 +53,7 @@ class MotionPanel final : public QWidget {
   bool save_as(const std::filesystem::path& file);
   void undo();
   void redo();
-  // What is called before another motion takes the place of this one: it calls `go_on` unless the user wants
+  // The question before another motion takes the place of this one: it calls `go_on` unless the user wants
   // to keep this one. Without it, there is no question.
   using Guard = std::function<void(std::function<void()> go_on)>;
   void set_guard(Guard guard) { guard_ = std::move(guard); }

@@ -53,7 +53,7 @@ class StepModel final : public QAbstractTableModel {
   void rows_dropped(std::size_t first, std::size_t count);
 
  private:
-  // What a row shows.
+  // The contents of a row.
   struct Cells {
     std::array<QString, kColumns> text = {};
     int depth = 0;

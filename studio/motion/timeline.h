@@ -14,7 +14,7 @@ namespace koboshi::studio {
 // reaches its pose, arrows of loops, jumps and branches, the stability margin as a band, and the curves of
 // one joint: its angle, its speed and the torque of its servo. A diamond can be dragged; a drag of several
 // selected ones scales their time.
-class Timeline final : public QAbstractScrollArea {
+class Timeline final : public QAbstractScrollArea {  // Large: one function per thing that it draws
   Q_OBJECT
 
  public:
@@ -25,7 +25,7 @@ class Timeline final : public QAbstractScrollArea {
   // Multiplies the scale, around the current step if it is in view.
   void zoom(double factor);
   void fit();
-  // What is said about this place of the viewport.
+  // The tooltip of this place of the viewport.
   QString tip_at(QPointF point) const;
   // Where the pose of a move is reached, or a step ends, in the viewport.
   QPointF key_point(std::size_t row) const;
@@ -51,7 +51,7 @@ class Timeline final : public QAbstractScrollArea {
   // Vertical positions in the viewport.
   struct Lanes {
     int arrows, steps, otherwise, margin, curves, end;
-    // Of the steps in as many `else`.
+    // The middle of the steps in as many `else`.
     int middle_of(int else_depth) const;
   };
 

@@ -10,7 +10,7 @@
 #include "studio/motion/timeline_layout.h"
 #include "tools/motion/check/report.h"
 
-// What the check says, below the steps of the timeline.
+// The curves of the check's results, below the steps of the timeline.
 namespace koboshi::studio {
 namespace {
 

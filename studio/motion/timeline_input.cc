@@ -12,7 +12,7 @@
 #include "studio/motion/timeline.h"
 #include "studio/motion/timeline_layout.h"
 
-// What mouse and keyboard do in the timeline.
+// Mouse and keyboard in the timeline.
 namespace koboshi::studio {
 
 using InputKind = simulation::StepSource::Kind;

@@ -10,7 +10,7 @@
 namespace koboshi::studio {
 namespace {
 
-// Of a write: a controller that boots does not answer yet.
+// Attempts to write a value: a controller that boots does not answer yet.
 constexpr int kMaxTries = 20;
 
 std::vector<std::uint8_t> bytes_of(const ParameterInfo& info, double value) {

@@ -22,7 +22,7 @@ class LiveParameters {
  public:
   using Send = std::function<void(const simulation::ObjectRequest& request)>;
 
-  // Of one parameter.
+  // The state of one parameter.
   struct State {
     std::optional<double> in_force;  // in the controller's dictionary; nothing: not set or not known
     bool is_known = false;
@@ -51,7 +51,8 @@ class LiveParameters {
   void write(std::size_t index, double value);
   // Returns the parameter that an answer is about, if any.
   std::optional<std::size_t> take_answer(const simulation::ObjectAnswer& answer);
-  // What the controller does decides when accepted values are used. Returns whether a state has changed.
+  // Follows the controller's state, which decides when accepted values are used. Returns whether a state has
+  // changed.
   bool follow(behaviour::State state);
 
  private:

@@ -62,7 +62,7 @@ class ParameterDocument final : public TextDocument {
   // Takes over the whole text, such as that of a recovery.
   void replace_text(const std::string& text);
 
-  // What the compiler says of these values on this robot: one line; empty if they are good.
+  // The compiler's complaint about these values on this robot: one line; empty if they are good.
   [[nodiscard]] std::string problem(const sim_board::RobotDescription& robot,
                                     const simulation::NamedModel& model) const;
   // The parameters of the text. Throws InputError for an unknown key, or one of a gait file.

@@ -41,7 +41,7 @@ struct StudyEvaluation {
   std::string violated{};         // the limit that makes it so
 };
 
-// What a folder of results tells about a search, running or not.
+// The state of a search, running or not, by its folder of results.
 struct StudyRun {
   StudySettings settings;
   bool is_finished = false;

@@ -93,7 +93,7 @@ class BusMonitor {
   const view::Recording head_;
   Inbox inbox_;
 
-  // Of the thread.
+  // State that only the thread uses:
   struct Placer;
   std::unique_ptr<Placer> placer_;
   Sink sink_;

@@ -20,7 +20,7 @@ struct Rewind {
   std::uint64_t bus_us = 0;
 };
 
-// What a run has recorded since the last batch.
+// The records of a run since the last batch.
 struct Batch {
   // Set after a rewind: everything later is to be forgotten first.
   std::optional<Rewind> rewound{};

@@ -226,7 +226,7 @@ void Session::return_to(std::uint64_t time_us) {
   if (time_us >= simulation_.board().now_us() && now_.state != SessionStatus::State::kFailed) return;
   recording_.reset();
   replay_to(time_us);
-  inbox_.rewind({simulation_.board().now_us(), simulation_.board().bus().now_us()});
+  inbox_.rewind({simulation_.board().now_us(), simulation_.board().electronics().bus().now_us()});
   begin_recording();
   now_.state = SessionStatus::State::kPaused;
   now_.message.clear();
@@ -245,7 +245,7 @@ void Session::replay_to(std::uint64_t time_us) {
     recorder_.record();
   }
   static_cast<void>(simulation_.take_answers());  // given before
-  usage_ = simulation_.board().bus().usage();
+  usage_ = simulation_.board().electronics().bus().usage();
   inputs_.erase(std::ranges::lower_bound(inputs_, time_us, {}, input_time), inputs_.end());
   snapshots_.truncate_after(time_us);
 }
@@ -261,9 +261,9 @@ void Session::publish() {
 }
 
 void Session::publish_bus() {
-  const sim_board::Bus& bus = simulation_.board().bus();
+  const sim_board::Bus& bus = simulation_.board().electronics().bus();
   now_.nodes.clear();
-  for (const sim_board::BusMember& member : simulation_.board().bus_members())
+  for (const sim_board::BusMember& member : simulation_.board().electronics().bus_members())
     now_.nodes.push_back(
         {member.node_id, bus.status(member.handle), bus.counters(member.handle), bus.powered(member.handle)});
   const sim_board::BusUsage usage = bus.usage();

@@ -24,7 +24,7 @@
 
 namespace koboshi::studio {
 
-// What an operator gives to a running simulation. It takes effect at the next millisecond.
+// An operator's input to a running simulation. It takes effect at the next millisecond.
 using Input = std::variant<simulation::Command, simulation::Push, simulation::ParameterSetting,
                            simulation::Fault, simulation::ObjectRequest>;
 
@@ -134,7 +134,7 @@ class Session final : private sim_board::BusObserver {
   const Options options_;
   Inbox inbox_;
 
-  // Of the thread, once it runs.
+  // State that only the thread uses once it runs:
   simulation::Simulation simulation_;
   std::optional<view::RunRecording> recording_;
   simulation::RunRecorder recorder_;

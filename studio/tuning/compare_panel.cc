@@ -243,7 +243,7 @@ void ComparePanel::tick() {
   if (playing_) set_playing(false);
 }
 
-// --- What is shown
+// --- Display
 
 void ComparePanel::show_grown() {
   plot_->grow();

@@ -55,13 +55,14 @@ void ComparedRobots::show_time(const Comparison& comparison, std::uint64_t time_
 }
 
 void ComparedRobots::place_names() {
-  const std::vector<view::Pose>& links = view_->posed();
+  const std::vector<view::Pose>& links = view_->picture().posed();
   for (std::size_t run = 0; run < names_.size(); ++run) {
     const std::size_t trunk = run * (links.size() / names_.size());
     if (trunk >= links.size()) return;
     const Eigen::Vector3d above_m =
         links[trunk].p_WL_m.cast<double>() + Eigen::Vector3d(0.0, 0.0, kNameHeight_m);
-    const Eigen::Vector2d place_px = view::project(view_->camera(), view_->width(), view_->height(), above_m);
+    const Eigen::Vector2d place_px =
+        view::project(view_->picture().camera(), view_->width(), view_->height(), above_m);
     QLabel& name = *names_[run];
     name.adjustSize();
     name.move(static_cast<int>(place_px.x()) - name.width() / 2,

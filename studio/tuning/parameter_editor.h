@@ -27,7 +27,7 @@ namespace koboshi::studio {
 //
 // While changes are applied live, every change of a document, also by undo and redo, is written to the
 // running controller.
-class ParameterEditor final : public QObject {
+class ParameterEditor final : public QObject {  // Large: one function per action of the panel
   Q_OBJECT
 
  public:
@@ -44,7 +44,7 @@ class ParameterEditor final : public QObject {
   File shown() const { return shown_; }
   bool has(File file) const { return files_[file].document.has_value(); }
 
-  // Of the file that is shown; null: it is not open.
+  // The document of the file that is shown; null: it is not open.
   const ParameterDocument* document() const { return document(shown_); }
   const ParameterDocument* document(File file) const {
     return files_[file].document ? &*files_[file].document : nullptr;
@@ -74,7 +74,7 @@ class ParameterEditor final : public QObject {
   std::optional<std::pair<File, Recovery>> recovery() const;
   // Takes over the text of a recovery as one change, or drops it.
   void restore(File file, const Recovery& recovery);
-  // What the compiler says of the shown document on this robot; empty: nothing.
+  // The compiler's complaint about the shown document on this robot; empty: none.
   QString problem() const;
 
   // The running controller: none, with known values (a simulation), or a robot on a bus, to which nothing is

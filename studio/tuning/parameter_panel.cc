@@ -258,7 +258,7 @@ void ParameterPanel::filter() {
   }
 }
 
-// What the compiler refuses goes before an earlier error.
+// A refusal by the compiler goes before an earlier error.
 void ParameterPanel::check() {
   const QString problem = editor_.problem();
   message_->setText(problem.isEmpty() ? error_ : problem);

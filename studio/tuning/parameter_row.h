@@ -15,7 +15,7 @@ class QToolButton;
 
 namespace koboshi::studio {
 
-// What a row shows.
+// The contents of a row.
 struct ShownParameter {
   std::optional<double> value{};
   std::optional<double> in_file{};
@@ -38,7 +38,7 @@ class ParameterRow final : public QObject {
   bool is_visible() const { return is_visible_; }
   QSlider* slider() const { return slider_; }
   QDoubleSpinBox* box() const { return box_; }
-  // What it says of the running controller.
+  // The row's text about the running controller.
   QString live_text() const;
 
  Q_SIGNALS:

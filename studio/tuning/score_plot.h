@@ -17,7 +17,7 @@ class ScorePlot final : public QWidget {
 
   // Scores in order of the evaluations, nothing for an infeasible one; `total`: how many there will be.
   void set_scores(std::vector<std::optional<double>> scores, std::size_t total);
-  // What the picture shows, in words.
+  // The picture in words.
   QString text() const;
 
   QSize sizeHint() const override { return {320, 140}; }

@@ -245,7 +245,7 @@ void StudyPanel::poll() {
   show_run();
 }
 
-// --- What is shown
+// --- Display
 
 void StudyPanel::show_run() {
   const bool here = is_running();

@@ -45,7 +45,7 @@ class StudyPanel final : public QWidget {
   void start();
   void stop();
   bool is_running() const { return process_.state() != QProcess::NotRunning; }
-  // What the folder of results holds.
+  // The search whose folder of results is open.
   const std::optional<StudyRun>& run() const { return run_; }
   // Offers the evaluation that is selected in the table, or the best one.
   void adopt();

@@ -33,7 +33,7 @@ struct Ray {
   Eigen::Vector3d direction_W = Eigen::Vector3d::UnitX();  // unit vector
 };
 
-// What lies under this pixel, counted from the upper left corner.
+// The ray through this pixel, counted from the upper left corner.
 Ray ray_through(const view::Camera& camera, int width_px, int height_px, const Eigen::Vector2d& pixel);
 
 // The displacement in the plane through `p_W_m` parallel to the picture that a drag by these pixels shows.

@@ -19,7 +19,7 @@ struct Gizmo {
   double ring_m() const;  // radius of the rings
 };
 
-// What of a gizmo the mouse grabs.
+// The part of a gizmo that the mouse grabs.
 struct Handle {
   enum class Kind { kArrow, kRing };
   Kind kind = Kind::kArrow;
@@ -38,7 +38,7 @@ inline constexpr double kGizmoShare = 0.09;
 
 // The colour of an axis: x red, y green, z blue, as in RViz; yellow if it is chosen.
 [[nodiscard]] view::Colour gizmo_colour(int axis, bool chosen);
-// Of each ring, the half that faces the camera is shown; a ring that is seen from its axis is shown entirely.
+// Adds the half of each ring that faces the camera; a ring that is seen from its axis is shown entirely.
 void add_gizmo(view::Marks& marks, const Gizmo& gizmo, const view::Camera& camera,
                const std::optional<Handle>& chosen);
 // The arrow under the pixel; without one, the ring under it. Only the outer part of the gizmo counts, so that

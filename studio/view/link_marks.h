@@ -36,7 +36,7 @@ void add_link_frames(view::Marks& marks, std::span<const view::Pose> links);
 // An arrow along each joint's axis: a positive angle turns counter-clockwise about it.
 void add_joint_axes(view::Marks& marks, std::span<const view::Pose> links, std::span<const JointAxis> axes);
 
-// What a mark stands for: the frame of a link, or the axis of a joint.
+// The meaning of a mark: the frame of a link, or the axis of a joint.
 struct MarkName {
   enum class Kind { kFrame, kAxis };
   Kind kind = Kind::kFrame;

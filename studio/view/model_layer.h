@@ -9,7 +9,7 @@
 
 namespace koboshi::studio {
 
-// What the model editor shows on the links of a robot: the frame of the chosen one with the axis of the joint
+// The model editor's marks on the links of a robot: the frame of the chosen one with the axis of the joint
 // that moves it, and the inertia of all.
 class ModelLayer {
  public:

@@ -23,16 +23,14 @@ void add_edges(view::Marks& marks, const Eigen::Isometry3d& X_WG, const Eigen::V
 
 }  // namespace
 
-OverlapFinder::OverlapFinder(const sim_board::RobotDescription& robot) : pairs_(robot, tools::Body(robot)) {}
+OverlapFinder::OverlapFinder(const sim_board::RobotDescription& robot) : pairs_(robot) {}
 
 std::vector<int> OverlapFinder::links_in_overlap(std::span<const view::Pose> links) const {
-  tools::LinkPlaces places;
-  for (const view::Pose& link : links) {
-    places.R_BL.push_back(link.q_WL.cast<double>().toRotationMatrix());
-    places.p_BL.push_back(link.p_WL_m.cast<double>());
-  }
+  std::vector<Eigen::Isometry3d> X_WLs;
+  for (const view::Pose& link : links)
+    X_WLs.emplace_back(Eigen::Translation3d(link.p_WL_m.cast<double>()) * link.q_WL.cast<double>());
   std::set<int> found;
-  for (const tools::Overlap& overlap : pairs_.all(places)) found.insert({overlap.link, overlap.other_link});
+  for (const tools::Overlap& overlap : pairs_.all(X_WLs)) found.insert({overlap.link, overlap.other_link});
   return {found.begin(), found.end()};
 }
 

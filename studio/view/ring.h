@@ -23,7 +23,7 @@ void add_ring(view::Marks& marks, const Gizmo& gizmo, int axis, const view::Came
 // centre in the plane of the ring, where the ray through the pixel meets it. Turns are counted. Near the
 // centre, where the direction is uncertain, the angle stays.
 //
-// Of a ring that is seen within 12 degrees of edge-on, the image is nearly a line, and the ray meets its
+// The image of a ring that is seen within 12 degrees of edge-on is nearly a line, and the ray meets its
 // plane at a grazing angle. The near side of that ring follows the mouse along the line: 1 rad per radius of
 // the ring.
 class RingDrag {

@@ -6,27 +6,23 @@
 #include <QString>
 #include <QTimer>
 #include <QWidget>
-#include <memory>
 #include <optional>
 #include <vector>
 
-#include "studio/view/gizmo.h"
-#include "studio/view/gl_context.h"
-#include "studio/view/link_layers.h"
-#include "studio/view/model_layer.h"
-#include "studio/view/picking.h"
+#include "studio/view/picture_surface.h"
+#include "studio/view/pose_handles.h"
 #include "studio/view/ring.h"
+#include "studio/view/robot_picture.h"
 #include "studio/view/scaled_framebuffer.h"
-#include "view/recording/recording.h"
-#include "view/render/renderer.h"
 
 namespace koboshi::studio {
 
-// Shows a robot and its ground. Drag: turn; drag with Shift or the middle button: move; wheel: distance;
-// double click: look at that place; drag a link with Ctrl: push it. Drag of a link that can be posed: move
-// it, or along an axis by the arrows at it; by the rings at it: rotate it about an axis, with Ctrl+Shift as
-// the picture shows; the right button turns the camera there as well. While the picture moves, its resolution
-// follows the machine's speed; 150 ms after that it is drawn in full.
+// Shows the picture of a robot and turns what mouse and keyboard do into changes of it and into signals.
+// Drag: turn; drag with Shift or the middle button: move; wheel: distance; double click: look at that place;
+// drag a link with Ctrl: push it. Drag of a link that can be posed: move it, or along an axis by the arrows
+// at it; by the rings at it: rotate it about an axis, with Ctrl+Shift as the picture shows; the right button
+// turns the camera there as well. While the picture moves, its resolution follows the machine's speed; 150 ms
+// after that it is drawn in full.
 class RobotView final : public QWidget {
   Q_OBJECT
 
@@ -35,71 +31,34 @@ class RobotView final : public QWidget {
   static constexpr double kPush_N_per_m = 60.0;
   static constexpr double kMaxPush_N = 60.0;
 
-  // A link that can be posed, the point of it where its arrows begin, and whether it can be rotated.
-  struct Posable {
-    int link = 0;
-    Eigen::Vector3d p_L_m = Eigen::Vector3d::Zero();
-    bool rotates = false;
-    bool operator==(const Posable&) const = default;
-  };
+  using Posable = PoseHandles::Posable;
+  using Grabbed = PoseHandles::Grabbed;
 
   explicit RobotView(QWidget* parent = nullptr);
-  ~RobotView() override;
 
-  // Shows another robot, with the camera on it once it is posed.
-  // `robot` gives the axes of its joints, and the pairs of links whose penetration is outlined in red beside
-  // the collision shapes; without it, neither is shown.
+  // The picture, to change it; it is drawn anew.
+  RobotPicture& change();
+  const RobotPicture& picture() const { return picture_; }
+  // As RobotPicture; these also end what the mouse does, or draw with the resolution of a moving picture.
   void set_scene(view::Scene scene, const sim_board::RobotDescription* robot = nullptr);
-  // Replaces the shapes of the same links; camera, poses and marks stay.
-  void set_shapes(view::Scene scene, const sim_board::RobotDescription& robot);
-  // Marks a link with its frame and the axis of its joint; -1: none.
-  void set_chosen_link(int link);
-  void set_inertias(bool inertias);
-  // Poses by index of Scene::links, and marks of this instant.
   void show_robot(std::vector<view::Pose> links, view::Marks marks);
-  // A second robot in the scene, translucent; empty: none.
   void show_ghost(std::vector<view::Pose> links);
-  // More translucent robots, which cannot be dragged; each hides what is behind it of the later ones.
   void show_onion(std::vector<view::Ghost> poses);
-  void set_collisions(bool collisions);
-  void set_link_frames(bool frames);
-  void set_joint_axes(bool axes);
-  // Shows the links apart from each other.
-  void set_exploded(bool exploded);
-  // The camera goes with the robot.
-  void set_follow(bool follow);
-  void set_pushable(bool pushable) { pushable_ = pushable; }
-  // The links that can be posed by dragging: of the second robot if there is one. Empty: none.
-  void set_posable(std::vector<Posable> links);
-  // Marks of joints at their limits, and colours of the links of the robot that can be posed, by link; empty:
-  // their own.
-  void show_limits(view::Marks marks, std::vector<view::Tint> tints);
   void look_from(double azimuth_rad, double elevation_rad);
   void look_at_robot();
 
-  const view::Scene& scene() const { return scene_; }
-  const view::Camera& camera() const { return picture_.camera; }
-  // The robot that can be posed, by index of Scene::links: the second robot if there is one.
-  const std::vector<view::Pose>& posed() const { return ghost_.empty() ? picture_.links : ghost_; }
-  bool has_ghost() const { return !ghost_.empty(); }
-  // All that is drawn now.
-  const view::Picture& picture() const { return picture_; }
+  void set_pushable(bool pushable) { pushable_ = pushable; }
+  // The links that can be posed by dragging: of the second robot if there is one. Empty: none.
+  void set_posable(std::vector<Posable> links);
+
   // The arrows and rings at the link that was under the mouse last; nothing without such a link.
-  std::optional<Gizmo> gizmo() const;
-  // A link under a place of the widget.
-  std::optional<Hit> link_at(const QPointF& place) const;
-  // The posable link, and the arrow or ring, under a place of the widget.
-  std::optional<Hit> posable_at(const QPointF& place) const;
+  std::optional<Gizmo> gizmo() const { return handles_.gizmo(picture_); }
+  // The link, the posable link, and the arrow or ring under a place of the widget.
+  std::optional<Hit> link_at(const QPointF& place) const { return picture_.link_at(at(place)); }
+  std::optional<Hit> posable_at(const QPointF& place) const { return handles_.link_at(picture_, at(place)); }
   std::optional<Handle> gizmo_handle_at(const QPointF& place) const;
-  // What a press at a place of the widget grabs: the handle under it, else the posable link under it, else
-  // the nearest of both within kNear_px. Nothing of both: none.
-  struct Grabbed {
-    std::optional<Handle> handle = {};
-    std::optional<Hit> link = {};
-  };
+  // The thing that a press in the widget grabs.
   Grabbed grabbed_at(const QPointF& place, bool with_handles = true) const;
-  // The link under a place of the widget, or the nearest within kNear_px.
-  std::optional<Hit> link_near(const QPointF& place) const;
   // Names and places of the shown link frames and joint axes under a place of the widget; empty: none.
   QString mark_text_at(const QPointF& place) const;
   // Whether the picture rests, so that it is drawn in full resolution.
@@ -145,46 +104,22 @@ class RobotView final : public QWidget {
     Eigen::Vector3d force_W_N = Eigen::Vector3d::Zero();
   };
 
+  PicturePlace at(const QPointF& place) const;
+  double aspect() const;
   void redraw_moving();
-  void update_ghosts();
-  void update_overlaps();
-  QString frame_text(std::size_t link) const;
-  QString axis_text(const JointAxis& axis) const;
-  std::vector<view::Pose> apart(const std::vector<view::Pose>& links) const;
   void draw();
-  void follow_robot();
-  Eigen::Vector3d robot_W_m() const;
-  Eigen::Vector3d point_W_m(const Hit& hit) const;
   view::Marks all_marks() const;
-  void add_handles(view::Marks& marks) const;
   bool begin_pose_drag(const QMouseEvent& event);
   void continue_pose_drag(const QPointF& place);
   void hover(const QPointF& place);
-  bool is_posable(int link) const;
-  double surface_m(const QPointF& place) const;
   void pick(const QPointF& place);
   void name_marks(const QPointF& place);
 
-  view::Scene scene_;
-  Picker picker_;
-  view::Picture picture_;
-  std::vector<view::Pose> links_;  // as given; those of the picture may be apart
-  std::vector<view::Pose> ghost_links_;
-  std::vector<view::Pose> ghost_;  // as drawn
-  std::vector<view::Ghost> onion_;
-  std::vector<view::Tint> tints_;
-  LinkLayers layers_;
-  ModelLayer model_;
-  bool exploded_ = false;
-  bool scene_changed_ = false;
-  bool framed_ = false;  // the camera has looked at this robot
-  bool follow_ = true;
+  RobotPicture picture_;
+  PoseHandles handles_;
   bool pushable_ = false;
-  std::optional<Eigen::Vector3d> followed_W_m_;
 
-  std::unique_ptr<GlContext> gl_;  // before everything that is made in it
-  std::unique_ptr<view::Renderer> renderer_;
-  std::unique_ptr<ScaledFramebuffer> framebuffer_;
+  PictureSurface surface_;
   QImage image_;  // as drawn last
   AdaptiveResolution resolution_;
   bool moving_ = false;
@@ -196,13 +131,9 @@ class RobotView final : public QWidget {
   QPointF drag_start_;
   QPointF drag_last_;
   std::optional<PushDrag> push_;
+  std::optional<PoseGrab> grab_;
   int hovered_ = -1;
   bool names_marks_ = false;  // the tooltip is that of a mark
-  std::vector<Posable> posable_;
-  int gizmo_link_ = -1;
-  std::optional<Handle> gizmo_handle_;  // under the mouse
-  std::optional<PoseGrab> grab_;
-  view::Marks limit_marks_;
 };
 
 }  // namespace koboshi::studio

@@ -1,4 +1,5 @@
 #include <Eigen/Geometry>
+#include <QApplication>
 #include <QKeyEvent>
 #include <QMouseEvent>
 #include <QToolTip>
@@ -6,14 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
-#include <numbers>
 #include <utility>
 
 #include "base/text/user_units.h"
 #include "studio/view/robot_view.h"
 
-// What mouse and keyboard do in the view, and what is under the mouse.
+// Mouse and keyboard in the view, and the thing under the mouse.
 namespace koboshi::studio {
 namespace {
 
@@ -21,88 +20,15 @@ constexpr std::size_t kMaxNames = 3;  // of marks in one tooltip
 
 Eigen::Vector2d pixels(const QPointF& point) { return {point.x(), point.y()}; }
 
-}  // namespace
-
-Eigen::Vector3d RobotView::point_W_m(const Hit& hit) const {
-  const view::Pose& pose = picture_.links[static_cast<std::size_t>(hit.link)];
-  return pose.q_WL.cast<double>() * hit.p_L_m + pose.p_WL_m.cast<double>();
-}
-
-std::optional<Hit> RobotView::link_at(const QPointF& place) const {
-  return picker_.pick(picture_.links, ray_through(picture_.camera, width(), height(), pixels(place)));
-}
-
-std::optional<Hit> RobotView::link_near(const QPointF& place) const {
-  const auto any = [](int) { return true; };
-  const auto found =
-      pick_near(picker_, picture_.links, picture_.camera, width(), height(), pixels(place), any);
-  return found ? std::optional(found->hit) : std::nullopt;
-}
-
-bool RobotView::is_posable(int link) const {
-  return std::ranges::find(posable_, link, &Posable::link) != posable_.end();
-}
-
-std::optional<Hit> RobotView::posable_at(const QPointF& place) const {
-  if (posable_.empty()) return std::nullopt;
-  const auto hit = picker_.pick(posed(), ray_through(picture_.camera, width(), height(), pixels(place)));
-  return hit && is_posable(hit->link) ? hit : std::nullopt;
-}
-
-// Distance from the eye to what is seen of the robot that can be posed.
-double RobotView::surface_m(const QPointF& place) const {
-  const auto hit = picker_.pick(posed(), ray_through(picture_.camera, width(), height(), pixels(place)));
-  return hit ? hit->distance_m : std::numeric_limits<double>::infinity();
-}
-
-RobotView::Grabbed RobotView::grabbed_at(const QPointF& place, bool with_handles) const {
-  if (posable_.empty()) return {};
-  const auto handles = with_handles ? gizmo() : std::nullopt;
-  if (handles)
-    if (const auto handle = gizmo_handle_at(place)) return {.handle = handle};
-  if (const auto link = posable_at(place)) return {.link = link};
-  const auto handle = handles ? nearest_handle(*handles, picture_.camera, width(), height(), pixels(place),
-                                               surface_m(place), kNear_px)
-                              : std::nullopt;
-  const auto link = pick_near(picker_, posed(), picture_.camera, width(), height(), pixels(place),
-                              [this](int one) { return is_posable(one); });
-  if (handle && (!link || handle->distance_px <= link->distance_px)) return {.handle = handle->handle};
-  return link ? Grabbed{.link = link->hit} : Grabbed{};
-}
-
-std::optional<Gizmo> RobotView::gizmo() const {
-  const auto found = std::ranges::find(posable_, gizmo_link_, &Posable::link);
-  const auto link = static_cast<std::size_t>(gizmo_link_);
-  if (found == posable_.end() || link >= posed().size()) return std::nullopt;
-  const Eigen::Vector3d p_W_m =
-      posed()[link].p_WL_m.cast<double>() + posed()[link].q_WL.cast<double>() * found->p_L_m;
-  return Gizmo{p_W_m, kGizmoShare * picture_.camera.distance_m, found->rotates};
-}
-
-std::optional<Handle> RobotView::gizmo_handle_at(const QPointF& place) const {
-  const auto handles = gizmo();
-  if (!handles) return std::nullopt;
-  return pick_handle(*handles, picture_.camera, width(), height(), pixels(place), surface_m(place));
-}
-
-// During a drag, the rings make room for what is dragged.
-void RobotView::add_handles(view::Marks& marks) const {
-  if (grab_ && grab_->turn) return grab_->turn->add(marks, picture_.camera);
-  auto handles = gizmo();
-  if (!handles) return;
-  if (grab_) handles->rotates = false;
-  add_gizmo(marks, *handles, picture_.camera, grab_ ? grab_->handle : gizmo_handle_);
-}
-
-QString RobotView::frame_text(std::size_t link) const {
-  const view::Pose& pose = links_[link];
+QString frame_text(const RobotPicture& picture, std::size_t link) {
+  const view::Pose& pose = picture.links()[link];
   const Eigen::Vector3d p_mm = kMmPerM * pose.p_WL_m.cast<double>();
   const Eigen::Matrix3d R = pose.q_WL.cast<double>().toRotationMatrix();
   const double roll_deg = kDegreesPerRad * std::atan2(R(2, 1), R(2, 2));
   const double pitch_deg = kDegreesPerRad * std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
   const double yaw_deg = kDegreesPerRad * std::atan2(R(1, 0), R(0, 0));
-  return tr("Link %1: x %2, y %3, z %4 mm; roll %5°, pitch %6°, yaw %7°")
-      .arg(QString::fromStdString(scene_.links[link].name))
+  return RobotView::tr("Link %1: x %2, y %3, z %4 mm; roll %5°, pitch %6°, yaw %7°")
+      .arg(QString::fromStdString(picture.scene().links[link].name))
       .arg(p_mm.x(), 0, 'f', 1)
       .arg(p_mm.y(), 0, 'f', 1)
       .arg(p_mm.z(), 0, 'f', 1)
@@ -111,12 +37,12 @@ QString RobotView::frame_text(std::size_t link) const {
       .arg(yaw_deg, 0, 'f', 1);
 }
 
-QString RobotView::axis_text(const JointAxis& axis) const {
-  const view::Pose& pose = links_[static_cast<std::size_t>(axis.link)];
+QString axis_text(const RobotPicture& picture, const JointAxis& axis) {
+  const view::Pose& pose = picture.links()[static_cast<std::size_t>(axis.link)];
   const Eigen::Vector3d p_mm = kMmPerM * (pose.p_WL_m.cast<double>() + pose.q_WL.cast<double>() * axis.p_L_m);
-  return tr("Joint %1: %2° of %3° to %4°; axis through x %5, y %6, z %7 mm")
+  return RobotView::tr("Joint %1: %2° of %3° to %4°; axis through x %5, y %6, z %7 mm")
       .arg(QString::fromStdString(axis.name))
-      .arg(kDegreesPerRad * joint_angle_rad(axis, links_), 0, 'f', 1)
+      .arg(kDegreesPerRad * joint_angle_rad(axis, picture.links()), 0, 'f', 1)
       .arg(kDegreesPerRad * axis.lower_rad, 0, 'f', 1)
       .arg(kDegreesPerRad * axis.upper_rad, 0, 'f', 1)
       .arg(p_mm.x(), 0, 'f', 1)
@@ -124,14 +50,28 @@ QString RobotView::axis_text(const JointAxis& axis) const {
       .arg(p_mm.z(), 0, 'f', 1);
 }
 
+}  // namespace
+
+PicturePlace RobotView::at(const QPointF& place) const { return {width(), height(), pixels(place)}; }
+
+std::optional<Handle> RobotView::gizmo_handle_at(const QPointF& place) const {
+  return handles_.handle_at(picture_, at(place));
+}
+
+RobotView::Grabbed RobotView::grabbed_at(const QPointF& place, bool with_handles) const {
+  return handles_.grabbed_at(picture_, at(place), with_handles);
+}
+
 // Marks are where the picture has them, which may be apart; their places are those of the robot.
 QString RobotView::mark_text_at(const QPointF& place) const {
   QStringList lines;
-  if (picture_.links.size() != scene_.links.size()) return {};
-  for (const MarkName& mark : layers_.at(picture_.links, picture_.camera, width(), height(), pixels(place)))
+  if (!picture_.can_be_drawn()) return {};
+  const LinkLayers& layers = picture_.layers();
+  for (const MarkName& mark :
+       layers.at(picture_.drawn().links, picture_.camera(), width(), height(), pixels(place)))
     if (static_cast<std::size_t>(lines.size()) < kMaxNames)
-      lines << (mark.kind == MarkName::Kind::kFrame ? frame_text(mark.index)
-                                                    : axis_text(layers_.axis(mark.index)));
+      lines << (mark.kind == MarkName::Kind::kFrame ? frame_text(picture_, mark.index)
+                                                    : axis_text(picture_, layers.axis(mark.index)));
   return lines.join(u'\n');
 }
 
@@ -150,9 +90,13 @@ void RobotView::hover(const QPointF& place) {
   const int link = hit ? hit->link : -1;
   if (std::exchange(hovered_, link) != link) Q_EMIT hovered(link);
   name_marks(place);
-  const Grabbed grabbed = grabbed_at(place);
-  if (std::exchange(gizmo_handle_, grabbed.handle) != grabbed.handle) update();
-  if (grabbed.link && std::exchange(gizmo_link_, grabbed.link->link) != grabbed.link->link) update();
+  if (handles_.hover(grabbed_at(place))) update();
+}
+
+// Where a mouse button that began a drag is released: a click chooses the link.
+void RobotView::pick(const QPointF& place) {
+  if ((place - drag_start_).manhattanLength() >= QApplication::startDragDistance()) return;
+  if (const auto hit = picture_.link_near(at(place))) Q_EMIT picked(hit->link);
 }
 
 bool RobotView::begin_pose_drag(const QMouseEvent& event) {
@@ -164,16 +108,16 @@ bool RobotView::begin_pose_drag(const QMouseEvent& event) {
   grab.handle = grabbed.handle;
   const std::optional<Hit>& hit = grabbed.link;
   if (!grab.handle && !hit) return false;
-  if (hit) gizmo_link_ = hit->link;
-  const view::Pose& pose = posed()[static_cast<std::size_t>(gizmo_link_)];
+  if (hit) handles_.choose(hit->link);
+  const view::Pose& pose = picture_.posed()[static_cast<std::size_t>(handles_.link())];
   grab.p_W_m = hit ? Eigen::Vector3d(pose.p_WL_m.cast<double>() + pose.q_WL.cast<double>() * hit->p_L_m)
                    : gizmo()->p_W_m;
   if (grab.handle && grab.handle->kind == Handle::Kind::kRing)
-    grab.turn.emplace(*gizmo(), grab.handle->axis, picture_.camera, width(), height(),
+    grab.turn.emplace(*gizmo(), grab.handle->axis, picture_.camera(), width(), height(),
                       pixels(event.position()));
   grab_ = grab;
   drag_ = Drag::kPose;
-  Q_EMIT pose_drag_began(gizmo_link_, grab.p_W_m);
+  Q_EMIT pose_drag_began(handles_.link(), grab.p_W_m);
   return true;
 }
 
@@ -181,17 +125,17 @@ void RobotView::continue_pose_drag(const QPointF& place) {
   const Eigen::Vector2d drag_px = pixels(place - drag_start_);
   const Eigen::Vector3d none = Eigen::Vector3d::Zero();
   if (grab_->rotates) {
-    const Eigen::Vector3d rotation = rotation_W_rad(picture_.camera, height(), drag_px);
+    const Eigen::Vector3d rotation = rotation_W_rad(picture_.camera(), height(), drag_px);
     Q_EMIT pose_dragged(none, rotation);
   } else if (grab_->turn) {
-    grab_->turn->move_to(picture_.camera, width(), height(), pixels(place));
+    grab_->turn->move_to(picture_.camera(), width(), height(), pixels(place));
     Q_EMIT pose_dragged(none, grab_->turn->rotation_W_rad());
   } else if (grab_->handle) {
-    const Gizmo arrows{grab_->p_W_m, kGizmoShare * picture_.camera.distance_m};
+    const Gizmo arrows{grab_->p_W_m, kGizmoShare * picture_.camera().distance_m};
     Q_EMIT pose_dragged(
-        along_axis_W_m(arrows, grab_->handle->axis, picture_.camera, width(), height(), drag_px), none);
+        along_axis_W_m(arrows, grab_->handle->axis, picture_.camera(), width(), height(), drag_px), none);
   } else {
-    Q_EMIT pose_dragged(displacement_W_m(picture_.camera, height(), grab_->p_W_m, drag_px), none);
+    Q_EMIT pose_dragged(displacement_W_m(picture_.camera(), height(), grab_->p_W_m, drag_px), none);
   }
 }
 
@@ -200,7 +144,7 @@ void RobotView::mousePressEvent(QMouseEvent* event) {
   const bool control = event->modifiers().testFlag(Qt::ControlModifier);
   if (begin_pose_drag(*event)) return;
   if (event->button() == Qt::LeftButton && control) {
-    const auto hit = pushable_ ? link_near(event->position()) : std::nullopt;
+    const auto hit = pushable_ ? picture_.link_near(at(event->position())) : std::nullopt;
     if (!hit) return;
     push_ = {*hit};
     drag_ = Drag::kPush;
@@ -223,16 +167,15 @@ void RobotView::mouseMoveEvent(QMouseEvent* event) {
       continue_pose_drag(event->position());
       break;
     case Drag::kOrbit:
-      orbit(picture_.camera, step, height());
-      raise_above(picture_.camera, scene_.planes);
+      picture_.orbit(step, height());
       break;
     case Drag::kPan:
-      pan(picture_.camera, step, height());
-      lift_above(picture_.camera, scene_.planes);
+      picture_.pan(step, height());
       break;
     case Drag::kPush: {
-      const Eigen::Vector3d drag_m = displacement_W_m(picture_.camera, height(), point_W_m(push_->hit),
-                                                      pixels(event->position() - drag_start_));
+      const Eigen::Vector3d drag_m =
+          displacement_W_m(picture_.camera(), height(), picture_.point_W_m(push_->hit),
+                           pixels(event->position() - drag_start_));
       push_->force_W_N = kPush_N_per_m * drag_m;
       if (push_->force_W_N.norm() > kMaxPush_N) push_->force_W_N *= kMaxPush_N / push_->force_W_N.norm();
       break;
@@ -257,9 +200,7 @@ void RobotView::mouseReleaseEvent(QMouseEvent* event) {
 
 void RobotView::mouseDoubleClickEvent(QMouseEvent* event) {
   if (const auto hit = link_at(event->position())) {
-    picture_.camera.target_W_m = point_W_m(*hit);
-    raise_above(picture_.camera, scene_.planes);
-    update();
+    change().look_at(picture_.point_W_m(*hit));
   } else {
     look_at_robot();
   }
@@ -268,8 +209,7 @@ void RobotView::mouseDoubleClickEvent(QMouseEvent* event) {
 void RobotView::wheelEvent(QWheelEvent* event) {
   constexpr double kPerNotch = 1.15;
   constexpr double kUnitsPerNotch = 120.0;  // QWheelEvent::angleDelta
-  zoom(picture_.camera, std::pow(kPerNotch, event->angleDelta().y() / kUnitsPerNotch));
-  raise_above(picture_.camera, scene_.planes);
+  picture_.zoom(std::pow(kPerNotch, event->angleDelta().y() / kUnitsPerNotch));
   redraw_moving();
 }
 
@@ -292,8 +232,7 @@ void RobotView::keyPressEvent(QKeyEvent* event) {
     default:
       return QWidget::keyPressEvent(event);
   }
-  orbit(picture_.camera, turn, height());
-  raise_above(picture_.camera, scene_.planes);
+  picture_.orbit(turn, height());
   redraw_moving();
 }
 

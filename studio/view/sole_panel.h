@@ -18,7 +18,7 @@ class SolePanel final : public QWidget {
   // The recording must outlive its use here; null: none. It may grow.
   void set_recording(const view::Recording* recording);
   void set_cursor(std::uint64_t time_us);
-  // What the panel shows now, computed when it is painted; nothing without soles.
+  // The present picture, computed when it is painted; nothing without soles.
   const std::optional<SolePicture>& picture() const { return picture_; }
   // Where a point of the picture is in the widget.
   QPointF place_of(const Eigen::Vector2d& p_m) const;

@@ -28,8 +28,8 @@ struct SolePicture {
   std::array<bool, 2> carry = {};                            // the sole touches the ground
   std::vector<Eigen::Vector2d> support_m = {};               // convex, counter-clockwise
   std::vector<SolePoint> points = {};
-  // Of the true ZMP, or else of the measured or planned one, from the edge of the support polygon: positive
-  // inside. Without a polygon or a ZMP, nothing.
+  // Distance of the true ZMP, or else of the measured or planned one, from the support polygon's edge:
+  // positive inside. Without a polygon or a ZMP, nothing.
   std::optional<double> margin_m = {};
   const view::ZmpMark* judged = nullptr;  // the one whose margin it is
 };

@@ -4,7 +4,7 @@
 
 namespace koboshi::studio {
 
-// What a message to the user is. Success and information need no answer; an error names what did not happen.
+// The kind of a message. Success and information need no answer; an error names what did not happen.
 enum class MessageKind { kSuccess, kInformation, kWarning, kError };
 
 }  // namespace koboshi::studio

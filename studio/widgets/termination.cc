@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::array kSignals{SIGTERM, SIGINT, SIGHUP};
 
-// Of the pipe between the handler, which may call few functions (signal-safety(7)), and the event loop.
+// Ends of the pipe between the handler, which may call few functions (signal-safety(7)), and the event loop.
 int read_end = -1;
 int write_end = -1;
 

@@ -87,7 +87,7 @@ void Documents::activate(Kind kind) {
   Q_EMIT changed();
 }
 
-// --- What is open
+// --- Open documents
 
 const TextDocument* Documents::document(Kind kind) const {
   const MotionEditor& motion = panels_.motion().editor();

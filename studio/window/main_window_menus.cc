@@ -176,19 +176,18 @@ void MainWindow::make_view_menu() {
   follow->setShortcuts({follow->shortcut(), QKeySequence(tr("Shift+F"))});  // Shift+F: as in the replay page
   follow->setCheckable(true);
   follow->setChecked(true);
-  connect(follow, &QAction::toggled, view_, &RobotView::set_follow);
-  QAction* collisions = add_action(*menu, tr("&Collision shapes"), QKeySequence(tr("Ctrl+Shift+C")), {});
-  collisions->setCheckable(true);
-  connect(collisions, &QAction::toggled, view_, &RobotView::set_collisions);
-  const auto add_switch = [&](const QString& text, const QKeySequence& keys, void (RobotView::*set)(bool)) {
+  connect(follow, &QAction::toggled, view_, [this](bool on) { view_->change().set_follow(on); });
+  const auto add_switch = [&](const QString& text, const QKeySequence& keys,
+                              void (RobotPicture::*set)(bool)) {
     QAction* action = add_action(*menu, text, keys, {});
     action->setCheckable(true);
-    connect(action, &QAction::toggled, view_, set);
+    connect(action, &QAction::toggled, view_, [this, set](bool on) { (view_->change().*set)(on); });
   };
-  add_switch(tr("&Link frames"), QKeySequence(tr("Ctrl+5")), &RobotView::set_link_frames);
-  add_switch(tr("&Joint axes"), QKeySequence(tr("Ctrl+6")), &RobotView::set_joint_axes);
-  add_switch(tr("&Exploded view"), QKeySequence(tr("Ctrl+7")), &RobotView::set_exploded);
-  add_switch(tr("&Inertia ellipsoids"), QKeySequence(tr("Ctrl+8")), &RobotView::set_inertias);
+  add_switch(tr("&Collision shapes"), QKeySequence(tr("Ctrl+Shift+C")), &RobotPicture::set_collisions);
+  add_switch(tr("&Link frames"), QKeySequence(tr("Ctrl+5")), &RobotPicture::set_link_frames);
+  add_switch(tr("&Joint axes"), QKeySequence(tr("Ctrl+6")), &RobotPicture::set_joint_axes);
+  add_switch(tr("&Exploded view"), QKeySequence(tr("Ctrl+7")), &RobotPicture::set_exploded);
+  add_switch(tr("&Inertia ellipsoids"), QKeySequence(tr("Ctrl+8")), &RobotPicture::set_inertias);
   menu->addSeparator();
   int key = Qt::Key_1;
   for (const OverlayText& row : kOverlayTexts) {

@@ -74,19 +74,19 @@ void ModelController::show_shapes() {
   if (run_.session() == nullptr && !run_.recording().scene.links.empty()) return;  // a recording has its own
   view::Scene scene = view::make_scene(document->robot(), sim_board::GroundDescription());
   if (run_.session() == nullptr) {
-    view_.set_shapes(std::move(scene), document->robot());
-    if (view_.posed().empty()) view_.show_robot(poses_of_file(document->robot()), {});
+    view_.change().set_shapes(std::move(scene), document->robot());
+    if (view_.picture().posed().empty()) view_.show_robot(poses_of_file(document->robot()), {});
     return;
   }
   view::Scene shown = run_.recording().scene;
   const bool is_same = std::ranges::equal(shown.links, scene.links, {}, &view::Link::name, &view::Link::name);
   if (!is_same) return;  // another robot runs
   shown.links = std::move(scene.links);
-  view_.set_shapes(std::move(shown), document->robot());
+  view_.change().set_shapes(std::move(shown), document->robot());
 }
 
 void ModelController::choose_link(int link) {
-  const auto& links = view_.scene().links;
+  const auto& links = view_.picture().scene().links;
   if (link >= 0 && static_cast<std::size_t>(link) < links.size())
     panel_.choose(QString::fromStdString(links[static_cast<std::size_t>(link)].name));
   mark_chosen();
@@ -95,12 +95,12 @@ void ModelController::choose_link(int link) {
 // A joint is shown at the link that it moves.
 void ModelController::mark_chosen() {
   const std::string chosen = panel_.chosen().toStdString();
-  if (panel_.document() == nullptr) return view_.set_chosen_link(-1);
+  if (panel_.document() == nullptr) return view_.change().set_chosen_link(-1);
   const sim_board::RobotDescription& robot = panel_.document()->robot();
   std::optional<int> link = robot.find_link(chosen);
   if (const auto joint = robot.find_joint(chosen))
     link = robot.joints[static_cast<std::size_t>(*joint)].child;
-  view_.set_chosen_link(link.value_or(-1));
+  view_.change().set_chosen_link(link.value_or(-1));
 }
 
 }  // namespace koboshi::studio

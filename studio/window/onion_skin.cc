@@ -18,7 +18,7 @@ constexpr float kNearestOpacity = 0.40F;
 constexpr float kFading = 0.7F;  // per move
 constexpr float kTintShare = 0.75F;
 
-// Of two poses that stand on the ground, the foot that is lower in both.
+// The foot that is lower in both of two poses that stand on the ground.
 int shared_sole(const view::Scene& scene, std::span<const view::Pose> one,
                 std::span<const view::Pose> other) {
   const auto height_m = [&](int link) {

@@ -99,9 +99,9 @@ void PoseController::update_posable() {
   std::vector<RobotView::Posable> links;
   const bool is_edited = ghost_ && by_mouse_ != nullptr && by_mouse_->isChecked() &&
                          !motion_.editable_pose().empty() &&
-                         view_.posed().size() == ghost_->robot().links.size();
+                         view_.picture().posed().size() == ghost_->robot().links.size();
   // The robot of a run is no pose: only its ghost is.
-  const bool is_pose = run_.source() == RunController::Source::kNone || view_.has_ghost();
+  const bool is_pose = run_.source() == RunController::Source::kNone || view_.picture().has_ghost();
   for (const RobotView::Posable& body : links_)
     if (is_edited && is_pose && body.link >= 0) links.push_back(body);
   view_.set_posable(std::move(links));
@@ -137,8 +137,9 @@ void PoseController::show_pose(const std::vector<double>& angles_rad) {
 }
 
 void PoseController::show_onion() {
-  const bool is_shown = ghost_ && !shown_rad_.empty() && view_.posed().size() == ghost_->robot().links.size();
-  view_.show_onion(is_shown ? onion_->poses(*ghost_, view_.posed()) : std::vector<view::Ghost>());
+  const bool is_shown =
+      ghost_ && !shown_rad_.empty() && view_.picture().posed().size() == ghost_->robot().links.size();
+  view_.show_onion(is_shown ? onion_->poses(*ghost_, view_.picture().posed()) : std::vector<view::Ghost>());
 }
 
 std::optional<DragBody> PoseController::body_of(int link) const {
@@ -165,7 +166,7 @@ DragSupport PoseController::trunk_support() const {
 
 float PoseController::foot_height_m(DragBody foot) const {
   const int link = links_[static_cast<std::size_t>(foot)].link;
-  return view_.posed()[static_cast<std::size_t>(link)].p_WL_m.z();
+  return view_.picture().posed()[static_cast<std::size_t>(link)].p_WL_m.z();
 }
 
 // The foot that stays in its place: never the dragged one. Of both feet it does not matter which one is held.
@@ -188,11 +189,11 @@ void PoseController::begin(int link, const Eigen::Vector3d& p_W_m) {
     Q_EMIT told(tr("This is a support foot: choose another support (menu Pose) to drag it."));
     return;
   }
-  const view::Pose& trunk = view_.posed().front();
+  const view::Pose& trunk = view_.picture().posed().front();
   q_WB_ = trunk.q_WL.cast<double>().normalized();
   const Eigen::Vector3d grabbed_B_m = q_WB_.conjugate() * (p_W_m - trunk.p_WL_m.cast<double>());
   const int foot = links_[static_cast<std::size_t>(anchor_foot(*body))].link;
-  anchor_ = {*row, foot, view_.posed()[static_cast<std::size_t>(foot)]};
+  anchor_ = {*row, foot, view_.picture().posed()[static_cast<std::size_t>(foot)]};
   drag_.emplace(motion_.editor().document().robot(), angles_rad, *body, grabbed_B_m, trunk_support());
 }
 
@@ -222,13 +223,13 @@ void PoseController::show_limits(const DraggedPose& pose, const QString& drag_te
   for (const std::size_t joint : pose.at_limit) {
     names << QString::fromStdString(model.joint_names[joint]).replace(u'_', u' ');
     const sim_board::JointDescription& description = ghost_->robot().joints[joint];
-    const view::Pose& child = view_.posed()[static_cast<std::size_t>(description.child)];
+    const view::Pose& child = view_.picture().posed()[static_cast<std::size_t>(description.child)];
     const Eigen::Isometry3d& X_ML = ghost_->robot().links[static_cast<std::size_t>(description.child)].X_ML;
     const Eigen::Vector3d anchor_L = X_ML.inverse() * description.p_MJ;
     view::add_sphere(marks, child.p_WL_m.cast<double>() + child.q_WL.cast<double>() * anchor_L, kLimitMark_m,
                      kLimitColour);
   }
-  view_.show_limits(std::move(marks), tints_of(pose));
+  view_.change().show_limits(std::move(marks), tints_of(pose));
   QStringList told_parts;
   if (!drag_text.isEmpty()) told_parts << drag_text;
   if (!pose.reached)
@@ -257,7 +258,7 @@ std::vector<view::Tint> PoseController::tints_of(const DraggedPose& pose) const 
 
 void PoseController::end() {
   drag_.reset();
-  view_.show_limits({}, {});
+  view_.change().show_limits({}, {});
   motion_.end_pose_drag();
 }
 

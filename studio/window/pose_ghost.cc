@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim_board/description/hinge_tree.h"
 #include "sim_board/world/ground.h"
-#include "sim_board/world/link_tree.h"
 #include "studio/view/link_marks.h"
 #include "tools/motion/view/placement.h"
 #include "view/capture/scene.h"
@@ -30,7 +30,7 @@ std::vector<view::Pose> PoseGhost::hold(std::span<const double> angles_rad, int 
                                         const view::Pose& at) const {
   std::vector<view::Pose> links;
   for (const Eigen::Isometry3d& X :
-       sim_board::LinkTree(*robot_).poses(*robot_, Eigen::Isometry3d::Identity(), angles_rad))
+       sim_board::hinge_tree(*robot_).poses(Eigen::Isometry3d::Identity(), angles_rad))
     links.push_back({X.translation().cast<float>(), Eigen::Quaternionf(X.linear().cast<float>())});
   const view::Pose now = links.at(static_cast<std::size_t>(link));
   const Eigen::Quaternionf turn = (at.q_WL * now.q_WL.conjugate()).normalized();

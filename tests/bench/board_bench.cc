@@ -1,4 +1,4 @@
-// What a tick of 10 ms costs beside the physics: firmware, bus, drives, sensors and recording, over a run of
+// Measures a tick of 10 ms without the physics: firmware, bus, drives, sensors and recording, over a run of
 // squats, quoted beside a calibration loop so that figures of different machines can be compared. Prints one
 // JSON document.
 //

@@ -94,7 +94,8 @@ void BM_FormatLogLine(benchmark::State& state) {
 }
 BENCHMARK(BM_FormatLogLine);
 
-// What a 10 ms cycle of the walking robot costs the thread that simulates: 48 frames and a row of 200 cells.
+// Cost of recording a 10 ms cycle of the walking robot in the simulating thread: 48 frames and a row of 200
+// cells.
 void BM_RecordCycle(benchmark::State& state) {
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / "koboshi_can_bench";
   std::filesystem::create_directories(folder);

@@ -1,5 +1,5 @@
-// What a live transport costs a tick of 10 ms in wall time: two runs of the same walk side by side, tick by
-// tick, one of them on the transport. Nobody waits for the clock. Beside them, a loop by which to compare
+// Measures the wall time of a live transport in a tick of 10 ms: two runs of the same walk side by side, tick
+// by tick, one of them on the transport. Nobody waits for the clock. Beside them, a loop by which to compare
 // machines and their load: as many datagrams through the kernel as a tick has frames. Prints one JSON
 // document.
 //
@@ -39,7 +39,7 @@ class Walk {
  public:
   Walk(const simulation::Scenario& scenario, const std::string& transport)
       : link_(options(transport)), simulation_(scenario) {
-    link_.attach(simulation_.board().bus());
+    link_.attach(simulation_.board().electronics().bus());
   }
 
   double tick_us() {

@@ -104,7 +104,7 @@ class FaultRun {
 
   std::string controller() const {
     const auto& behaviour = run_.behaviour();
-    if (run_.board().watchdog_bitten()) return "dead";
+    if (run_.board().electronics().watchdog_bitten()) return "dead";
     const std::string state = name_of(app::kStateNames, behaviour.state);
     if (behaviour.state != behaviour::State::kFault) return state;
     const std::string reason = name_of(app::kReasonNames, behaviour.reason);
@@ -117,7 +117,7 @@ class FaultRun {
 
   std::string drives() const {
     return by_drive([&](std::size_t joint) -> std::string {
-      const sim_board::Drive& drive = run_.board().drive(joint);
+      const sim_board::Drive& drive = run_.board().electronics().drive(joint);
       if (!drive.listens()) return "dead";
       return std::string(canopen::cia402::kStateNames[static_cast<std::size_t>(drive.state())]);
     });
@@ -169,9 +169,10 @@ TEST_P(FaultMatrix, MatchesTheReferencePage) {
   EXPECT_EQ(fault.drives(), GetParam().drives);
   RobotRun& run = fault.run();
   // "Stopped" means no torque on any drive; otherwise the whole robot must work as before.
-  const bool stopped = !behaviour::kTorque.contains(run.behaviour().state) || run.board().watchdog_bitten();
+  const bool stopped =
+      !behaviour::kTorque.contains(run.behaviour().state) || run.board().electronics().watchdog_bitten();
   EXPECT_EQ(run.torque_count(), stopped ? 0 : 20);
-  EXPECT_EQ(run.board().drive_enable_line(), !stopped);
+  EXPECT_EQ(run.board().electronics().drive_enable_line(), !stopped);
 }
 
 std::string test_name(const testing::TestParamInfo<Row>& info) {

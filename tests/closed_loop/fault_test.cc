@@ -26,7 +26,7 @@ void expect_fault(RobotRun& run, std::uint64_t at_us, Reason reason) {
   EXPECT_EQ(run.behaviour().state, State::kFault);
   EXPECT_EQ(run.behaviour().reason, reason);
   EXPECT_EQ(run.behaviour().faults, 1);
-  EXPECT_FALSE(run.board().drive_enable_line());
+  EXPECT_FALSE(run.board().electronics().drive_enable_line());
   EXPECT_EQ(run.torque_count(), 0);
 }
 
@@ -51,7 +51,7 @@ TEST(FirmwareStops, InMidSquatAllDrivesPerformAQuickStopThenCutTheirTorque) {
   run.run_until_us(kMidSquat_us + 52'000);
   EXPECT_EQ(run.count_in(DriveState::kFaultReactionActive), 20);
   EXPECT_EQ(run.torque_count(), 20);  // the drives hold their position and keep torque
-  EXPECT_TRUE(run.board().drive_enable_line());
+  EXPECT_TRUE(run.board().electronics().drive_enable_line());
   run.run_until_us(kMidSquat_us + 52'000 + kStop_us);
   EXPECT_EQ(run.count_in(DriveState::kFault), 20);
   EXPECT_EQ(run.torque_count(), 0);
@@ -67,11 +67,11 @@ TEST(FirmwareStops, InMidSquatAllDrivesPerformAQuickStopThenCutTheirTorque) {
 
 TEST(FirmwareStops, WatchdogLowersTheLine) {
   RobotRun run(with_fault(hanging_squat(), Kind::kControllerStop, kInMotion_us));
-  run.run_until_us(kInMotion_us + sim_board::SimBoard::kWatchdog_us - 1'000);
-  EXPECT_TRUE(run.board().drive_enable_line());
-  run.run_until_us(kInMotion_us + sim_board::SimBoard::kWatchdog_us + 1'000);
-  EXPECT_FALSE(run.board().drive_enable_line());
-  EXPECT_TRUE(run.board().watchdog_bitten());
+  run.run_until_us(kInMotion_us + sim_board::Electronics::kWatchdog_us - 1'000);
+  EXPECT_TRUE(run.board().electronics().drive_enable_line());
+  run.run_until_us(kInMotion_us + sim_board::Electronics::kWatchdog_us + 1'000);
+  EXPECT_FALSE(run.board().electronics().drive_enable_line());
+  EXPECT_TRUE(run.board().electronics().watchdog_bitten());
 }
 
 // --- Drives
@@ -93,7 +93,7 @@ TEST(DriveHangs, InMotionTheOthersStop) {
   // The motor of the hanging drive keeps its last torque until the drive-enable line falls.
   run.run_until_us(run.now_us() + kStop_us);
   EXPECT_EQ(run.torque_count(), 1);
-  EXPECT_TRUE(run.board().drive_enable_line());
+  EXPECT_TRUE(run.board().electronics().drive_enable_line());
   expect_fault(run, kInMotion_us, Reason::kDriveFault);
   expect_emergency(run, State::kMotion, Reason::kDriveFault);
 }
@@ -208,7 +208,7 @@ TEST(BadBus, DoesNotStopAWalkingRobot) {
   EXPECT_GT(end_W.x() - start_W.x(), 0.2);
   EXPECT_NEAR(end_W.z(), start_W.z(), 0.03);
   // At least one per cent of about 20 000 frames.
-  EXPECT_GT(run.board().bus().usage().error_frames, 200u);
+  EXPECT_GT(run.board().electronics().bus().usage().error_frames, 200u);
 }
 
 // --- Emergency stop

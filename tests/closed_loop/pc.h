@@ -19,13 +19,15 @@ class Pc final : public sim_board::Transport, private sim_board::BusNode {
       : simulation_(simulation),
         node_id_(node_id),
         meanwhile_(std::move(meanwhile)),
-        handle_(simulation.board().bus().attach(*this, sim_board::AcceptanceFilter::all(), 64)) {}
+        handle_(
+            simulation.board().electronics().bus().attach(*this, sim_board::AcceptanceFilter::all(), 64)) {}
 
   bool send(const hal::CanFrame& frame, std::uint64_t) override {
     // Only simulated time empties the controller's FIFO, so the PC advances it while it waits.
     constexpr int kPatience_ms = 100;
     for (int waited_ms = 0; waited_ms < kPatience_ms; ++waited_ms) {
-      if (simulation_.board().bus().queue(handle_, frame, simulation_.board().now_us())) return true;
+      if (simulation_.board().electronics().bus().queue(handle_, frame, simulation_.board().now_us()))
+        return true;
       advance();
     }
     return false;

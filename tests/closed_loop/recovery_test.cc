@@ -27,7 +27,7 @@ double tilt_deg(const RobotRun& run) {
 
 // Returns true if any link other than a foot touches the ground.
 bool lies(const RobotRun& run) {
-  const auto feet = sim_board::feet_of(run.board().robot());
+  const auto feet = sim_board::feet_of(run.board().electronics().robot());
   for (const sim_board::Contact& contact : run.board().world().contacts()) {
     const bool foot = contact.link == feet[0]->link || contact.link == feet[1]->link;
     if (contact.other_link < 0 && !foot) return true;

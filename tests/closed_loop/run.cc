@@ -29,7 +29,7 @@ class Fnv1a {
 }  // namespace
 
 RobotRun::RobotRun(const simulation::Scenario& scenario) : simulation_(scenario, remember_host()) {
-  board().bus().set_observer(this);
+  board().electronics().bus().set_observer(this);
 }
 
 simulation::HostFactory RobotRun::remember_host() {
@@ -62,19 +62,22 @@ std::size_t RobotRun::joint(const std::string& name) const {
 
 int RobotRun::torque_count() const {
   int count = 0;
-  for (std::size_t i = 0; i < robot().joints.size(); ++i) count += board().drive(i).makes_torque();
+  for (std::size_t i = 0; i < robot().joints.size(); ++i)
+    count += board().electronics().drive(i).makes_torque();
   return count;
 }
 
 int RobotRun::count_in(canopen::cia402::State state) const {
   int count = 0;
-  for (std::size_t i = 0; i < robot().joints.size(); ++i) count += board().drive(i).state() == state;
+  for (std::size_t i = 0; i < robot().joints.size(); ++i)
+    count += board().electronics().drive(i).state() == state;
   return count;
 }
 
 std::uint64_t RobotRun::limited_ms() const {
   std::uint64_t total = 0;
-  for (std::size_t i = 0; i < robot().joints.size(); ++i) total += board().drive(i).values().limited_ms;
+  for (std::size_t i = 0; i < robot().joints.size(); ++i)
+    total += board().electronics().drive(i).values().limited_ms;
   return total;
 }
 

@@ -22,7 +22,7 @@ class RobotRun final : private sim_board::BusObserver {
   };
 
   explicit RobotRun(const simulation::Scenario& scenario);
-  ~RobotRun() { board().bus().set_observer(nullptr); }
+  ~RobotRun() { board().electronics().bus().set_observer(nullptr); }
 
   void run_until_us(std::uint64_t end_us);
   // Returns false if the behaviour has not reached `state` at `limit_us`.

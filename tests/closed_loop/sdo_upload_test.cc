@@ -43,18 +43,18 @@ TEST(SdoUpload, ByBlocksIsFastDuringAWalk) {
   simulation::Simulation simulation(
       simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", lumped));
   sim_board::SimBoard& board = simulation.board();
-  Server server(board.bus());
+  Server server(board.electronics().bus());
   test::Pc pc(simulation, kServer, [&] { server.process(); });
   pc.advance_until_us(5'000'000);  // the robot is walking
-  const sim_board::BusUsage before = board.bus().usage();
+  const sim_board::BusUsage before = board.electronics().bus().usage();
   const std::vector<std::uint8_t> data = tools::SdoTransfer(pc, kServer).upload({0x2100, 1});
   const double duration_s = 1e-6 * static_cast<double>(board.now_us() - before.time_us);
   const double speed_bytes_per_s = static_cast<double>(data.size()) / duration_s;
   EXPECT_EQ(data, server.bytes());
   EXPECT_GE(speed_bytes_per_s, kWanted_bytes_per_s);
-  EXPECT_LT(sim_board::bus_load(before, board.bus().usage()), 0.9);
+  EXPECT_LT(sim_board::bus_load(before, board.electronics().bus().usage()), 0.9);
   std::printf("%.0f bytes/s, bus load %.2f\n", speed_bytes_per_s,
-              sim_board::bus_load(before, board.bus().usage()));
+              sim_board::bus_load(before, board.electronics().bus().usage()));
 }
 
 }  // namespace

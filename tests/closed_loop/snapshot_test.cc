@@ -53,7 +53,7 @@ class Watched {
   void say() {
     const auto request = [&](std::uint64_t at_ms, const std::array<std::uint8_t, 8>& data) {
       if (now_ms() == at_ms)
-        static_cast<void>(simulation_.board().send_as_operator(
+        static_cast<void>(simulation_.board().electronics().send_as_operator(
             {.identifier = static_cast<std::uint16_t>(canopen::kSdoRequestBase + kController),
              .size = 8,
              .data = data}));
@@ -119,18 +119,18 @@ void spoil(Watched& watched) {
   push.link.text = "trunk";
   push.force_W_N = {1.0, 2.0, 3.0};
   simulation.push(push);
-  board.add_frame_fault({.effect = sim_board::FrameFault::Effect::kCorrupted, .share = 0.2});
+  board.electronics().add_frame_fault({.effect = sim_board::FrameFault::Effect::kCorrupted, .share = 0.2});
   watched.run_until_ms(watched.now_ms() + 15);
-  board.hang_drive(1);
-  board.cut_drive_power(2);
-  board.break_encoder(3);
-  board.overheat_drive(4);
-  board.limit_supply(5.0);
-  board.set_imu_running(false);
-  board.set_ankle_running(hal::Side::kRight, false);
+  board.electronics().hang_drive(1);
+  board.electronics().cut_drive_power(2);
+  board.electronics().break_encoder(3);
+  board.electronics().overheat_drive(4);
+  board.electronics().limit_supply(5.0);
+  board.electronics().set_imu_running(false);
+  board.electronics().set_ankle_running(hal::Side::kRight, false);
   watched.run_until_ms(watched.now_ms() + 5);
-  board.isolate_controller();
-  board.bus().set_dominant(true);
+  board.electronics().isolate_controller();
+  board.electronics().bus().set_dominant(true);
   watched.run_until_ms(watched.now_ms() + 3);
 }
 
@@ -181,7 +181,8 @@ std::vector<std::byte> image(const sim_board::SimBoard& board) {
   const std::ptrdiff_t shares =
       reinterpret_cast<const std::byte*>(&board.time_shares()) - reinterpret_cast<const std::byte*>(&board);
   std::fill_n(image.begin() + shares, sizeof(sim_board::TimeShares), std::byte{0});
-  for (std::size_t joint = 0; joint < board.robot().joints.size(); ++joint) add(board.drive(joint));
+  for (std::size_t joint = 0; joint < board.electronics().robot().joints.size(); ++joint)
+    add(board.electronics().drive(joint));
   return image;
 }
 
@@ -235,7 +236,7 @@ TEST(Snapshot, IsRejectedWithExternalProcesses) {
     std::optional<hal::CanFrame> receive() override { return std::nullopt; }
     std::string place() const override { return "nowhere"; }
   } outside;
-  const sim_board::TransportNode bridge(simulation.board().bus(), outside);
+  const sim_board::TransportNode bridge(simulation.board().electronics().bus(), outside);
   EXPECT_THROW(static_cast<void>(simulation.snapshot()), sim_board::NotSaveable);
 }
 

@@ -15,7 +15,7 @@ TEST(Squat, BootsLimpAndStandsUpOnCommandOnly) {
   run.run_until_us(kEnable_us);
   EXPECT_EQ(run.behaviour().state, State::kLimp);
   EXPECT_EQ(run.torque_count(), 0);
-  EXPECT_FALSE(run.board().drive_enable_line());
+  EXPECT_FALSE(run.board().electronics().drive_enable_line());
   ASSERT_TRUE(run.run_until(State::kStanding, kRelease_us));
   EXPECT_EQ(run.torque_count(), 20);
 }
@@ -49,8 +49,8 @@ TEST(Squat, GoesDownByThreeCentimetresAndUpAgainWithoutFaults) {
   EXPECT_EQ(run.behaviour().faults, 0);
   EXPECT_EQ(run.limited_ms(), 0u);
   EXPECT_EQ(run.board().world().solver_warnings(), 0u);
-  EXPECT_EQ(run.board().bus().usage().error_frames, 0u);
-  EXPECT_EQ(run.board().bus().usage().collisions, 0u);
+  EXPECT_EQ(run.board().electronics().bus().usage().error_frames, 0u);
+  EXPECT_EQ(run.board().electronics().bus().usage().collisions, 0u);
 }
 
 TEST(Squat, ReturnsToItsStartWhenStopped) {

@@ -48,17 +48,17 @@ TEST(Stiffness, ReleasesAnArmAndTakesItBackWithoutAJerk) {
   const auto shaft_deg = [&] {
     return run.board().world().joint(static_cast<int>(joint)).position_rad / kRadPerDegree;
   };
-  const auto limit = [&] { return run.board().drive(joint).values().max_torque_permille; };
+  const auto limit = [&] { return run.board().electronics().drive(joint).values().max_torque_permille; };
 
   run.run_until_us(kPlayed_us + 1'250'000);
   EXPECT_EQ(limit(), 1'000);
   EXPECT_NEAR(shaft_deg(), -80, 1);
   run.run_until_us(kPlayed_us + 1'400'000);
   EXPECT_EQ(limit(), 0);
-  EXPECT_EQ(run.board().drive(joint).torque_Nm(), 0.0);
+  EXPECT_EQ(run.board().electronics().drive(joint).torque_Nm(), 0.0);
   run.run_until_us(kPlayed_us + 2'750'000);
   EXPECT_GT(shaft_deg(), -60) << "it hangs";
-  EXPECT_EQ(run.board().drive(joint).torque_Nm(), 0.0);
+  EXPECT_EQ(run.board().electronics().drive(joint).torque_Nm(), 0.0);
 
   // A minimum-jerk move over 31 degrees in a second has a peak speed of 58 deg/s. A drive that was to return
   // to its old target at once would turn at some 300 deg/s.

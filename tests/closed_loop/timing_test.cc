@@ -25,9 +25,9 @@ class Timing : public testing::Test {
   static void SetUpTestSuite() {
     run_ = std::make_unique<RobotRun>(hanging_squat());
     run_->run_until_us(kFirst_us);
-    before_ = run_->board().bus().usage();
+    before_ = run_->board().electronics().bus().usage();
     run_->run_until_us(kLast_us);
-    after_ = run_->board().bus().usage();
+    after_ = run_->board().electronics().bus().usage();
   }
   static void TearDownTestSuite() { run_.reset(); }
 

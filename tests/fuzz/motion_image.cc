@@ -7,8 +7,8 @@
 #include "tests/unit/firmware/motion/motion_builder.h"
 
 // A motion's image, with its header and checksums made right, played for two seconds with a stop after the
-// first. What the validator accepts keeps within the limits of the joints, and ends after the stop or is
-// still in a step.
+// first, on a trunk that swings. A motion that the validator accepts keeps within the limits of the joints,
+// and ends after the stop or is still in a step.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace koboshi;
   static const robot::RobotModel model = test::load_test_robot();
@@ -21,13 +21,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   motion::Motion motion;
   if (!motion::Motion::open(image, model, motion).ok()) return 0;
 
-  const estimation::RobotState state;
+  estimation::RobotState state;
   const std::array<fixed::Angle, 20> pose{};
   const motion::Inputs inputs{.robot = state, .angles = pose};
   motion::Interpreter interpreter(model);
   interpreter.start(motion, pose, inputs);
   for (int tick = 0; tick < 200 && interpreter.running(); ++tick) {
     if (tick == 100) interpreter.stop();
+    const std::int32_t swing = (tick % 20 - 10) * (1 << 24);  // up to 14 degrees and 2.5 turns/s
+    state.roll = fixed::Angle::from_raw(swing);
+    state.pitch = -state.roll;
+    state.rates_B = {fixed::AngularRate::from_raw(swing / 4), fixed::AngularRate::from_raw(-swing / 4),
+                     fixed::AngularRate::from_raw(swing / 8)};
     interpreter.advance(10'000, inputs);
     std::array<fixed::Angle, 20> targets{};
     std::ranges::copy(interpreter.targets(), targets.begin());

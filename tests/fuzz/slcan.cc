@@ -1,7 +1,7 @@
 #include "sim_board/can/transport/slcan.h"
 #include "tests/fuzz/fuzz_input.h"
 
-// What a host writes to a serial CAN adapter. Every frame that it takes is one of CAN 2.0A.
+// Characters of a host to a serial CAN adapter. Every frame that it takes is one of CAN 2.0A.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace koboshi;
   sim_board::SlcanProtocol protocol;

@@ -431,7 +431,7 @@ class Door(unittest.TestCase):
         self.assertIn("nested deeper than 100 levels",
                       self.refuse("--set", "run", support.SQUAT, "--set", "faults=" + "[" * 600 + "]" * 600))
 
-    # What the run refuses, with the line of the check.
+    # Changes that the run refuses, with the line of the check.
     REFUSED = {
         "delays of the channels": (r"(<koboshi:torque>.*?<delay_s>)[^<]*", r"\g<1>0.003"),
         "no inertial unit": (r'<sensor name="imu" type="imu">.*?</sensor>', ""),

@@ -11,7 +11,7 @@ KEPT = support.ROOT / "docs" / "reference"
 PRINTED = {"robot-file.md": "page", "robot.xsd": "xsd", "robot-koboshi.xsd": "koboshi-xsd"}
 ROBOT = (support.ROOT / "robots" / "koboshi" / "robot.sdf").read_text()
 
-# What is wrong: the text that is replaced, the new one, and what the validator says about it.
+# Faults: the text that is replaced, the new one, and a word of the validator's complaint.
 BAD = {
     "an unknown element": ("<mass>0.36</mass>", "<mass>0.36</mass><weight>1</weight>", "weight"),
     "an unknown koboshi: element": ("<koboshi:battery ", "<koboshi:fuel/><koboshi:battery ", "fuel"),

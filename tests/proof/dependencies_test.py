@@ -6,7 +6,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Each folder of the root may include those before it, within the rules below.
-FOLDERS = ("base", "hal", "firmware", "sim_board", "simulation", "bus", "view", "tools", "lab", "studio", "cli", "tests")
+FOLDERS = ("base", "mechanics", "hal", "firmware", "sim_board", "simulation", "bus", "view", "tools", "lab", "studio", "cli", "tests")
 MOST_SOURCES = 32  # in a folder
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
 
@@ -37,16 +37,17 @@ RULES = [
     (r"firmware/canopen/", (r"hal/port/", r"firmware/(canopen|storage|fixed)/(?!host/)"), FIRMWARE_STANDARD),
     (r"firmware/", (r"hal/port/", r"firmware/(?!\w+/host/)"), FIRMWARE_STANDARD),
     (r"base/", (r"base/",), ANY),
+    (r"mechanics/", (r"mechanics/",), ANY),
     (r"sim_board/can/transport/", (r"base/", r"hal/(port|linux)/", r"firmware/canopen/", r"sim_board/"), ANY),
     (r"sim_board/servo/", (r"sim_board/(random|description|servo|state|world)/",), ANY),
-    (r"sim_board/", (r"base/", r"hal/(port|lockstep)/", r"firmware/(canopen|storage)/", r"sim_board/"), ANY),
-    (r"simulation/", (r"base/", r"hal/", r"firmware/", r"sim_board/", r"simulation/"), ANY),
-    (r"bus/", (r"(base|hal|firmware|sim_board|simulation|bus)/",), ANY),
-    (r"view/", (r"(base|hal|firmware|sim_board|simulation|bus|view)/",), ANY),
-    (r"tools/", (r"(base|hal|firmware|sim_board|simulation|bus|view|tools)/",), ANY),
-    (r"lab/", (r"(base|hal|firmware|sim_board|simulation|bus|view|tools|lab)/",), ANY),
-    (r"studio/", (r"(base|hal|firmware|sim_board|simulation|bus|view|tools|studio)/",), ANY),
-    (r"cli/", (r"(base|hal|firmware|sim_board|simulation|bus|view|tools|lab|cli)/",), ANY),
+    (r"sim_board/", (r"(base|mechanics)/", r"hal/(port|lockstep)/", r"firmware/(canopen|storage)/", r"sim_board/"), ANY),
+    (r"simulation/", (r"(base|mechanics)/", r"hal/", r"firmware/", r"sim_board/", r"simulation/"), ANY),
+    (r"bus/", (r"(base|mechanics|hal|firmware|sim_board|simulation|bus)/",), ANY),
+    (r"view/", (r"(base|mechanics|hal|firmware|sim_board|simulation|bus|view)/",), ANY),
+    (r"tools/", (r"(base|mechanics|hal|firmware|sim_board|simulation|bus|view|tools)/",), ANY),
+    (r"lab/", (r"(base|mechanics|hal|firmware|sim_board|simulation|bus|view|tools|lab)/",), ANY),
+    (r"studio/", (r"(base|mechanics|hal|firmware|sim_board|simulation|bus|view|tools|studio)/",), ANY),
+    (r"cli/", (r"(base|mechanics|hal|firmware|sim_board|simulation|bus|view|tools|lab|cli)/",), ANY),
     (r"tests/", (r"",), ANY),
 ]
 

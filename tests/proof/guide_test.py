@@ -133,7 +133,7 @@ class Page(unittest.TestCase):
                 self.assertIsNone(disagreement(line, page, names))
 
     def test_code_stands_in_its_file(self):
-        # Of other languages, blocks without a file are the reader's own build or script.
+        # Blocks of other languages without a file are the reader's own build or script.
         other = [block for language in ("cmake", "ld", "python") for block in blocks(self.text, language) if block[0]]
         for path, code in blocks(self.text, "cpp") + other:
             with self.subTest(path=path):

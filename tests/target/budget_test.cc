@@ -39,7 +39,7 @@ Ticks measure(std::uint64_t duration_us) {
   while (simulation.board().now_us() < duration_us) {
     simulation.advance();
     instructions += host->last_instructions();
-    if (!simulation.board().last_input().tick) continue;
+    if (!simulation.board().electronics().last_input().tick) continue;
     recorder.record_tick();
     if (recorder.telemetry().state == behaviour::State::kMotion) ticks.moving.push_back(instructions);
     ticks.worst = std::max(ticks.worst, instructions);

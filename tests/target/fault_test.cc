@@ -97,7 +97,7 @@ TEST(FaultWhileStanding, PullsTheDriveEnableLineLowAndKeepsTheState) {
                                       return made;
                                     });
   while (simulation.board().now_us() < 3'900'000) simulation.advance();
-  ASSERT_TRUE(simulation.board().drive_enable_line());
+  ASSERT_TRUE(simulation.board().electronics().drive_enable_line());
   try {
     host->provoke(Provocation::kBadAddress);
     FAIL() << "no fault";

@@ -28,7 +28,7 @@ import time
 import xml.etree.ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-OURS = ("base/", "hal/", "firmware/", "sim_board/", "simulation/", "bus/", "view/", "tools/", "lab/", "studio/", "cli/", "tests/")
+OURS = ("base/", "mechanics/", "hal/", "firmware/", "sim_board/", "simulation/", "bus/", "view/", "tools/", "lab/", "studio/", "cli/", "tests/")
 
 
 def table(title, columns, rows, shown):

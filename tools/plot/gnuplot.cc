@@ -66,7 +66,7 @@ class MemoryFile {
   std::string path_;
 };
 
-// What gnuplot prints on standard error goes into `messages`.
+// Runs gnuplot. Its standard error goes into `messages`.
 bool succeeds(std::string script_path, const MemoryFile& messages) {
   std::string program = "gnuplot";
   char* const arguments[] = {program.data(), script_path.data(), nullptr};

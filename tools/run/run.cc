@@ -137,7 +137,7 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   if (options.view != nullptr) {
     options.view->start(view::recording_head(simulation), make_network(simulation.robot()));
   }
-  live.attach(simulation.board().bus());
+  live.attach(simulation.board().electronics().bus());
   if (options.ready) options.ready(live);
   const auto start = Clock::now();
   RunResult result;

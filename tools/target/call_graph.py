@@ -7,7 +7,7 @@ LISTED = re.compile(r"(?P<caller>\S.*?) (?P<places>\d+):(?P<targets>.*)")  # no 
 
 NOBODY = "nobody"  # in the list, what no call reaches although its address is taken
 
-# What the core pushes when it takes an exception: 8 words, and one more to align the stack (ARMv7-M, B1.5.7).
+# Bytes that the core pushes when it takes an exception: 8 words, and one more to align the stack (ARMv7-M, B1.5.7).
 EXCEPTION_BYTES = 32 + 4
 
 
@@ -36,7 +36,7 @@ class CallGraph:
         self.indirect = {function.address: self._may_call(function) for function in self.functions.values()}
 
     def _may_call(self, function):
-        """What the function's calls through pointers reach, by the list."""
+        """The functions that calls through pointers reach, by the list."""
         reached = set()
         for call in function.indirect_calls:
             caller = call.frames[0].name if call.frames else function.short_name

@@ -36,7 +36,7 @@ def entry_points(image, graph):
 
 
 def budget(elf):
-    """What the linker script has room for."""
+    """The sizes of the memories in the linker script."""
     values = {words[2]: int(words[0], 16) for words in map(str.split, target_image.tool("nm", elf).splitlines()) if len(words) == 3}
     return {f"{name}_bytes": values[f"image_{name}_size"] for name in ("flash", "ram", "stack")}
 

@@ -229,7 +229,7 @@ def words(elf, section):
 
 
 def ci_files(build_folder):
-    """Of the firmware and its board, without the programs beside them."""
+    """The sources of the firmware and its board, without the programs beside them."""
     return [path for folder in ("firmware", "hal") for path in sorted(pathlib.Path(build_folder, folder).rglob("*.ci"))]
 
 

@@ -54,7 +54,7 @@ std::vector<Tick> play(const simulation::Scenario& scenario, const std::filesyst
     simulation.advance();
     tick.instructions += host->last_instructions();
     add(tick.parts, counter.next_service());
-    if (!simulation.board().last_input().tick) continue;
+    if (!simulation.board().electronics().last_input().tick) continue;
     add(tick.parts, counter.next_tick());
     recorder.record_tick();
     const behaviour::State state = recorder.telemetry().state;

@@ -121,7 +121,7 @@ TeleopStatus Teleop::status() const {
   status.place = *place_;
   status.zmp_margin_m = recorder_.truth().zmp_margin_m;
   for (std::size_t joint = 0; joint < simulation_.robot().joints.size(); ++joint) {
-    const double supply_V = 1e-3 * board.drive(joint).values().supply_mV;
+    const double supply_V = 1e-3 * board.electronics().drive(joint).values().supply_mV;
     status.supply_V = std::min(supply_V, status.supply_V.value_or(supply_V));
   }
   status.push_N_s = pilot_.push_N_s();

@@ -90,7 +90,7 @@ class RunRecording final : public sim_board::BusObserver {
   std::vector<simulation::RunEvent> recorded_;  // events, without their fields
   std::size_t next_push_ = 0;
 
-  // Of the thread.
+  // State that only the thread uses:
   std::vector<Pose> links_;
   std::vector<ContactForce> contacts_;
   std::vector<float> sample_values_;

@@ -73,7 +73,7 @@ Interval shown_interval(const Recording& recording, const FilmOptions& options) 
   return shown;
 }
 
-// What there is to draw, checked.
+// The checked plan of the drawing.
 struct Plan {
   Kind kind;
   Size size;

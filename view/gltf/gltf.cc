@@ -278,8 +278,8 @@ class Document {
     return add_accessor<float>(values, "VEC3", recording_.samples.size());
   }
 
-  // Of the two quaternions of a rotation the one next to its predecessor, so that the interpolation takes the
-  // short way.
+  // Chooses, of a rotation's two quaternions, the one next to its predecessor: the interpolation then takes
+  // the short way.
   int add_rotations(std::size_t link) {
     std::vector<float> values;
     Eigen::Vector4f last = recording_.samples.front().links[link].q_WL.coeffs();

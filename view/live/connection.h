@@ -24,7 +24,7 @@ struct Message {
   std::shared_ptr<const std::string> data;
 };
 
-// What the connections of a server share. All of it belongs to the server's thread.
+// State that the connections of a server share. All of it belongs to the server's thread.
 struct Hub {
   std::uint16_t port = 0;
   std::string token{};

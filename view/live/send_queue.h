@@ -9,8 +9,8 @@
 
 namespace koboshi::view {
 
-// What is still to be sent to one page. A page that reads more slowly than the run goes loses its oldest
-// samples and frames, never events and pushes, and is told how many.
+// The messages that wait to be sent to one page. A page that reads more slowly than the run goes loses its
+// oldest samples and frames, never events and pushes, and is told how many.
 class SendQueue {
  public:
   explicit SendQueue(std::size_t max_batches) : max_batches_(max_batches) {}

@@ -36,7 +36,7 @@ class McapIndex {
   // Passes on the messages of a chunk.
   void read(std::size_t chunk);
 
-  // What has been read so far.
+  // How much has been read so far.
   std::uint64_t bytes_read() const { return bytes_read_; }
   std::size_t chunks_read() const { return chunks_read_; }
 

@@ -74,7 +74,7 @@ class McapWriter {
   Times block_times_;
   std::map<std::uint16_t, std::vector<Place>> places_;  // of the present block's messages, by channel
 
-  // What the summary repeats.
+  // The records that the summary repeats.
   std::string schemas_;
   std::string channels_;
   std::string chunk_indices_;

@@ -7,7 +7,7 @@
 
 namespace koboshi::view {
 
-// What the studio, films and the replay page have in common: the colours of marks, the directions to look
+// The looks that studio, films and replay page share: the colours of marks, the directions to look
 // from and the keys for them. The page has them as JSON (view/replay/replay_page.cc).
 
 // Colours of the marks, those of the figures (tools/plot/legend.h): after Okabe and Ito 2008, told apart

@@ -16,7 +16,7 @@
 
 namespace koboshi::view {
 
-// What a picture shows besides robot and ground.
+// The parts of a picture besides robot and ground.
 enum class Overlay {
   kTime,        // time, title and state
   kEvents,      // the latest event

@@ -12,7 +12,7 @@ namespace koboshi::view {
 // The direction from any point to the key light.
 Eigen::Vector3d to_light_W();
 
-// What a robot takes away from the light of its surroundings: a map of depths as the key light sees them, and
+// The shadows of a robot in the light of its surroundings: a map of depths as the key light sees them, and
 // one of how near its lowest links are to the ground. A context must be current when this is made, used and
 // destroyed.
 class Shadows {

@@ -155,7 +155,7 @@ struct NodeDescription {
   std::uint8_t watched_tpdos = 255;
 };
 
-// What distinguishes one node of a kind.
+// The properties that distinguish one node of a kind from the others.
 struct NodeInstance {
   std::uint8_t node_id = 0;          // 1..127
   std::uint32_t serial_number = 0;   // 0x1018:4
@@ -192,7 +192,7 @@ struct NodeMemory {
 // no clock and never waits: it acts only within its functions, in the caller's thread. Besides its owner's
 // objects (NodeDescription::rows) it serves 0x1000, 0x1001, 0x1003, 0x1005 to 0x100A, 0x1010, 0x1011, 0x1014
 // to 0x1019, 0x1029, 0x1200, 0x1201, the records of its PDOs, and the objects of its NodeServices.
-class Node final : private ObjectServer {
+class Node final : private ObjectServer {  // Large: one short function per service of CiA 301
  public:
   // `description`, `sink`, `application`, `instance.services` and all memory behind spans must outlive the
   // node; the structs `instance` and `buffers` are copied. Silent until start().

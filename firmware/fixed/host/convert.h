@@ -12,7 +12,7 @@
 // include it.
 namespace koboshi::fixed {
 
-// What one unit of Q, 2^Q::kFractionBits LSB, is in SI units.
+// One unit of Q, 2^Q::kFractionBits LSB, in SI units.
 template <AnyQuantity Q>
 inline constexpr double kUnitInSi =
     std::same_as<Q, Angle> || std::same_as<Q, AngularRate> ? 2.0 * std::numbers::pi : 1.0;

@@ -14,7 +14,7 @@
 namespace koboshi::sim_board {
 namespace {
 
-// What a mirror image in the plane y = 0 makes of a value.
+// The effect of a mirror image in the plane y = 0 on a value.
 enum class Image {
   kSame,
   kVector,    // x, -y, z

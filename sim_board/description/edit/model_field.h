@@ -73,7 +73,7 @@ struct ModelElement {
 // Finds a field by a path such as left_shank.mass (docs/reference/model-set.md). Throws InputError.
 [[nodiscard]] ModelField find_field(const XmlDocument& document, const std::string& path);
 
-// What people call the value: "axis" for xyz, "zoom" for scale.
+// Returns the usual name of the value: "axis" for xyz, "zoom" for scale.
 [[nodiscard]] std::string field_label(const ModelField& field);
 
 // The nearest field among these that the words match, as find_field() does; nullptr: none, or several.

@@ -36,14 +36,14 @@ struct FrictionRows {
   Eigen::Vector2d first = Eigen::Vector2d::UnitX();
   std::array<double, 2> bounds{};  // of the forces' magnitudes
   double aside = 0.0;              // the second row's force while the point slides as guessed
-  // Of the second row: velocity + softness * force = target().
+  // Softness of the second row: velocity + softness * force = target().
   double softness = 0.0;
   double target() const { return softness * aside; }
 
   Eigen::Vector2d second() const { return {-first.y(), first.x()}; }
 };
 
-// What a solution found at the contact point.
+// The solution at a contact point.
 struct FrictionSolution {
   double normal = 0.0;
   Eigen::Vector2d friction = Eigen::Vector2d::Zero();

@@ -227,7 +227,7 @@ std::vector<NumberedBox> boxes_of(const RobotDescription& robot) {
   return boxes;
 }
 
-std::vector<TouchingPair> touching_pairs(const RobotDescription& robot, const LinkTree& tree,
+std::vector<TouchingPair> touching_pairs(const RobotDescription& robot, const mechanics::HingeTree& tree,
                                          const WorldOptions& options) {
   const GroundDescription& ground = options.ground;
   if (!ground.patches.empty() || !ground.height_fields.empty())
@@ -246,7 +246,9 @@ std::vector<TouchingPair> touching_pairs(const RobotDescription& robot, const Li
       add(i, TouchingPair::ground_box(static_cast<int>(g)), ground.boxes[g].surface);
     for (int j = i + 1; j < count; ++j) {
       const auto& [other_link, other] = boxes[static_cast<std::size_t>(j)];
-      if (tree.distance(boxes[static_cast<std::size_t>(i)].link, other_link) >= kMinJointsBetween)
+      const int link = boxes[static_cast<std::size_t>(i)].link;
+      if (tree.distance(static_cast<std::size_t>(link), static_cast<std::size_t>(other_link)) >=
+          kMinJointsBetween)
         add(i, j, other->surface);
     }
   }

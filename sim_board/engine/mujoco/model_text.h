@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "mechanics/hinge_tree.h"
 #include "sim_board/description/description.h"
-#include "sim_board/world/link_tree.h"
 #include "sim_board/world/options.h"
 #include "sim_board/world/surface_contact.h"
 
@@ -32,7 +32,7 @@ struct TouchingPair {
 // Returns the pairs that can touch: boxes of links with at least three joints between them, and all boxes
 // with the ground, if there is one, as in the ODE worlds. Throws std::invalid_argument for features that this
 // engine lacks: friction patches, height fields, direction-dependent friction, and force-dependent slip.
-std::vector<TouchingPair> touching_pairs(const RobotDescription& robot, const LinkTree& tree,
+std::vector<TouchingPair> touching_pairs(const RobotDescription& robot, const mechanics::HingeTree& tree,
                                          const WorldOptions& options);
 
 enum class Base { kFree, kFixed };

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim_board/description/hinge_tree.h"
 #include "sim_board/engine/common/limits.h"
 #include "sim_board/engine/mujoco/has_mujoco.h"
 #include "sim_board/engine/mujoco/scene.h"
@@ -57,7 +58,7 @@ class MujocoWorld final : public World {
 MujocoWorld::MujocoWorld(const RobotDescription& robot, const WorldOptions& options)
     : robot_(robot), options_(checked(options, robot)), held_(options_.fixed_base) {
   check_links();
-  pairs_ = touching_pairs(robot_, LinkTree(robot_), options_);
+  pairs_ = touching_pairs(robot_, hinge_tree(robot_), options_);
   scene_.emplace(robot_, pairs_, options_, held_ ? Base::kFixed : Base::kFree);
   servos_.resize(robot_.joints.size());
   servo_Nm_.resize(robot_.joints.size());

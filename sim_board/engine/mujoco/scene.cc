@@ -177,7 +177,7 @@ void Scene::drop_far_contacts() {
 // MuJoCo has no restitution, and would repel surfaces from the margin on. The target of each contact's normal
 // is that of its NormalRow, with ODE's row in MuJoCo's terms (constraint_row.h).
 void Scene::aim_normals(double impact_share) {
-  // Of a point that exerts no force: no impact makes it as fast.
+  // Velocity that marks a point without a force: no impact makes a point as fast.
   constexpr double kOpen_m_per_s = -1e3;
   const double step_s = model_->opt.timestep;
   for (int i = 0; i < data_->ncon; ++i) {

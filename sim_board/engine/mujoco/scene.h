@@ -11,7 +11,6 @@
 #include "sim_board/engine/mujoco/lift_iteration.h"
 #include "sim_board/engine/mujoco/model_text.h"
 #include "sim_board/state/archive.h"
-#include "sim_board/world/link_tree.h"
 #include "sim_board/world/options.h"
 #include "sim_board/world/world.h"
 

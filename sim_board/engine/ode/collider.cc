@@ -84,8 +84,8 @@ Eigen::Vector3d speed_at(dBodyID body, const dVector3 p_W) {
 
 }  // namespace
 
-Collider::Collider(dWorldID world, const RobotDescription& robot, const LinkTree& tree, const Bodies& bodies,
-                   const WorldOptions& options)
+Collider::Collider(dWorldID world, const RobotDescription& robot, const mechanics::HingeTree& tree,
+                   const Bodies& bodies, const WorldOptions& options)
     : world_(world), options_(options), joints_(dJointGroupCreate(0)), boxes_(make_boxes(robot, bodies)) {
   make_ground();
   make_pairs(tree);
@@ -120,13 +120,14 @@ void Collider::make_ground() {
   for (const GroundBox& box : options_.ground.boxes) ground_boxes_.push_back(make_ground_box(box));
 }
 
-void Collider::make_pairs(const LinkTree& tree) {
+void Collider::make_pairs(const mechanics::HingeTree& tree) {
   for (std::size_t b = 0; b < boxes_.size(); ++b) {
     const Box& box = boxes_[b];
     make_ground_pairs(b);
     for (std::size_t o = b + 1; o < boxes_.size(); ++o) {
       const Box& other = boxes_[o];
-      if (tree.distance(box.link, other.link) >= kMinJointsBetween)
+      if (tree.distance(static_cast<std::size_t>(box.link), static_cast<std::size_t>(other.link)) >=
+          kMinJointsBetween)
         pairs_.push_back({box.geom.get(), other.geom.get(), b, o, meet_box(box, other), false});
     }
   }
@@ -319,7 +320,7 @@ void Collider::add_rows(std::size_t contact, TreeSolver& solver, const Bodies& b
   TreeRow row{.body = static_cast<int>(bodies.index_of(point.link))};
   if (point.other_link >= 0) row.other_body = static_cast<int>(bodies.index_of(point.other_link));
   const auto lay_along = [&](const Eigen::Vector3d& direction_W) {
-    row.jacobian = spatial_force(p_O, direction_W);
+    row.jacobian = mechanics::spatial_force(p_O, direction_W);
     if (row.other_body >= 0) row.other_jacobian = -row.jacobian;
   };
   touch.first_row = rows.size();

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "mechanics/hinge_tree.h"
 #include "sim_board/description/description.h"
 #include "sim_board/engine/common/friction.h"
 #include "sim_board/engine/common/normal_row.h"
@@ -17,7 +18,6 @@
 #include "sim_board/engine/ode/touch.h"
 #include "sim_board/engine/tree/tree_solver.h"
 #include "sim_board/state/archive.h"
-#include "sim_board/world/link_tree.h"
 #include "sim_board/world/options.h"
 #include "sim_board/world/world.h"
 
@@ -29,8 +29,8 @@ namespace koboshi::sim_board {
 class Collider {
  public:
   // Links without a body have no boxes. The options must outlive the collider.
-  Collider(dWorldID world, const RobotDescription& robot, const LinkTree& tree, const Bodies& bodies,
-           const WorldOptions& options);
+  Collider(dWorldID world, const RobotDescription& robot, const mechanics::HingeTree& tree,
+           const Bodies& bodies, const WorldOptions& options);
 
   // Detects the contacts for the bodies' present poses: surfaces that touch, and those that are about to
   // (kReach_steps). The latter have a negative depth.
@@ -106,7 +106,7 @@ class Collider {
 
   static std::vector<Box> make_boxes(const RobotDescription& robot, const Bodies& bodies);
   void make_ground();
-  void make_pairs(const LinkTree& tree);
+  void make_pairs(const mechanics::HingeTree& tree);
   void make_ground_pairs(std::size_t number);
   void make_fields();
   // Each function appends to meetings_. `R_W` rotates the friction direction of the ground's surface to the

@@ -67,14 +67,16 @@ void HeldSole::find_springs() {
 
 void HeldSole::add_rows(std::vector<TreeRow>& rows, const Eigen::Vector3d& p_WO_W) {
   first_row_ = rows.size();
-  const auto add = [&](const Vector6& jacobian, double speed, double force_mixing) {
+  const auto add = [&](const mechanics::Vector6& jacobian, double speed, double force_mixing) {
     rows.push_back(
         {.body = body_, .jacobian = jacobian, .target = speed, .softness = force_mixing / step_s_});
   };
   const auto slide = [&](const Eigen::Vector3d& axis_W) {
-    return spatial_force(p_WMean_W_ - p_WO_W, axis_W);
+    return mechanics::spatial_force(p_WMean_W_ - p_WO_W, axis_W);
   };
-  const auto turn = [](const Eigen::Vector3d& axis_W) { return spatial(axis_W, Eigen::Vector3d::Zero()); };
+  const auto turn = [](const Eigen::Vector3d& axis_W) {
+    return mechanics::spatial(axis_W, Eigen::Vector3d::Zero());
+  };
   const double count = static_cast<double>(points_.size());
   // In the order of Row. The target of a spring's row is the speed at which its force would be zero.
   add(slide(axes_W_[0]), restoring_per_s_ * depth_m_ / count, force_mixing_ / count);

@@ -83,19 +83,20 @@ std::size_t best_cut(const RobotDescription& robot, const HingeChain& chain) {
 
 }  // namespace
 
-std::vector<HingeChain> single_hinges(const LinkTree& tree) {
+std::vector<HingeChain> single_hinges(const mechanics::HingeTree& tree) {
   std::vector<HingeChain> chains;
-  for (const int joint : tree.joints_from_root()) chains.push_back({.joints = {joint}});
+  for (const std::size_t joint : tree.hinges_from_root())
+    chains.push_back({.joints = {static_cast<int>(joint)}});
   return chains;
 }
 
-std::vector<HingeChain> lumped_hinges(const RobotDescription& robot, const LinkTree& tree) {
+std::vector<HingeChain> lumped_hinges(const RobotDescription& robot, const mechanics::HingeTree& tree) {
   std::vector<HingeChain> chains;
   std::vector<bool> taken(robot.joints.size(), false);
-  for (const int first : tree.joints_from_root()) {
-    if (taken[static_cast<std::size_t>(first)]) continue;
-    HingeChain chain{.joints = {first}};
-    for (int next = only_joint_behind(robot, joint_of(robot, first).child); fits(robot, chain, next);
+  for (const std::size_t first : tree.hinges_from_root()) {
+    if (taken[first]) continue;
+    HingeChain chain{.joints = {static_cast<int>(first)}};
+    for (int next = only_joint_behind(robot, robot.joints[first].child); fits(robot, chain, next);
          next = only_joint_behind(robot, joint_of(robot, next).child)) {
       chain.joints.push_back(next);
     }

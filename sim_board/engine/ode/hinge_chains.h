@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "mechanics/hinge_tree.h"
 #include "sim_board/description/description.h"
-#include "sim_board/world/link_tree.h"
 
 namespace koboshi::sim_board {
 
@@ -20,7 +20,7 @@ struct HingeChain {
 };
 
 // Returns one chain for each hinge.
-std::vector<HingeChain> single_hinges(const LinkTree& tree);
+std::vector<HingeChain> single_hinges(const mechanics::HingeTree& tree);
 
 // Merges as many hinges as possible. Conditions: their anchors coincide; each axis is perpendicular to the
 // next (for three hinges, all are mutually perpendicular at joint angles zero, and the middle one turns at
@@ -29,6 +29,6 @@ std::vector<HingeChain> single_hinges(const LinkTree& tree);
 // A carried link keeps its relative pose at joint angle zero. When the hinge at distance r is at q, its
 // centre of mass is therefore misplaced by 2 r sin(q/2). The cut minimises the sum of mass times r times the
 // hinge's range.
-std::vector<HingeChain> lumped_hinges(const RobotDescription& robot, const LinkTree& tree);
+std::vector<HingeChain> lumped_hinges(const RobotDescription& robot, const mechanics::HingeTree& tree);
 
 }  // namespace koboshi::sim_board

@@ -195,18 +195,18 @@ Eigen::Vector3d JointChain::correcting_rate_W() const {
   return Eigen::Vector3d::Zero();
 }
 
-void JointChain::write_tree_joint(const Eigen::Vector3d& p_WO_W, JointSpace& tree, std::size_t index,
-                                  std::vector<TreeRow>& rows) {
+void JointChain::write_tree_joint(const Eigen::Vector3d& p_WO_W, mechanics::JointSpace& tree,
+                                  std::size_t index, std::vector<TreeRow>& rows) {
   const Eigen::Vector3d p_WAnchor = p_WAnchor_W();
   const Eigen::Vector3d p_OAnchor_W = p_WAnchor - p_WO_W;
   const Eigen::Vector3d p_WChildAnchor =
       vector_of(dBodyGetPosition(child_)) + rotation_of(dBodyGetRotation(child_)) * p_ChildAnchor_;
-  tree.slip(index + size() - 1) = spatial_velocity(
+  tree.slip(index + size() - 1) = mechanics::spatial_velocity(
       correcting_rate_W(), p_OAnchor_W, kJointErrorReduction / step_s_ * (p_WAnchor - p_WChildAnchor));
   for (std::size_t i = 0; i < size(); ++i) {
     const std::size_t dof = tree.first_dof(index + i);
-    JointSpace::Axis& axis = tree.axis(dof);
-    axis.motion = spatial_velocity(axes_W_[i], p_OAnchor_W, Eigen::Vector3d::Zero());
+    mechanics::JointSpace::Axis& axis = tree.axis(dof);
+    axis.motion = mechanics::spatial_velocity(axes_W_[i], p_OAnchor_W, Eigen::Vector3d::Zero());
     motors_[i].write_tree_axis(axis);
     motors_[i].add_rows(rows, static_cast<int>(child_index_), static_cast<int>(parent_index_), dof);
   }
@@ -244,15 +244,15 @@ void JointChain::read_tree_joints(const Eigen::Vector3d& p_WO_W, const TreeSolve
   Eigen::Vector3d rows_Nm = Eigen::Vector3d::Zero();
   for (const ServoMotor& motor : motors_) rows_Nm += motor.on_parent_Nm() + motor.tree_torque_W_Nm();
   for (std::size_t i = 0; i < size(); ++i) {
-    const Vector6 wrench =
+    const mechanics::Vector6 wrench =
         solver.tree().joint_impulse(index + i) / step_s_;  // on the child, about the origin
     const Eigen::Vector3d force_N = wrench.tail<3>();
     wrenches_[i] = {-force_N, rows_Nm - wrench.head<3>() + p_OAnchor_W.cross(force_N)};
   }
   for (std::size_t i = 0; i < links_between(); ++i) {
-    const Vector6& velocity = solver.tree().velocity(between + i);
+    const mechanics::Vector6& velocity = solver.tree().velocity(between + i);
     const Eigen::Vector3d p_ACom_W = motion(i, axes_W_).p_ACom_W;
-    between_[i] = {velocity_at(velocity, p_OAnchor_W + p_ACom_W), velocity.head<3>()};
+    between_[i] = {mechanics::velocity_at(velocity, p_OAnchor_W + p_ACom_W), velocity.head<3>()};
   }
 }
 

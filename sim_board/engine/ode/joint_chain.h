@@ -49,7 +49,7 @@ class JointChain {
   void write_ode_rows();
   // Writes the tree's joints from `index` on, one for each hinge, and appends the chain's bounded rows.
   // `p_WO_W` is the origin of the tree's spatial vectors.
-  void write_tree_joint(const Eigen::Vector3d& p_WO_W, JointSpace& tree, std::size_t index,
+  void write_tree_joint(const Eigen::Vector3d& p_WO_W, mechanics::JointSpace& tree, std::size_t index,
                         std::vector<TreeRow>& rows);
   // Reads the torques of the tree's solution. `index` is that of the chain's first joint.
   void read_tree_torques(const TreeSolver& solver, std::size_t index);
@@ -123,7 +123,7 @@ class JointChain {
   // Values at the beginning of the step:
   Vectors axes_W_{};
   Eigen::Vector3d p_AnchorParentCom_W_ = Eigen::Vector3d::Zero();
-  // Of the last solution:
+  // The last solution:
   std::array<Wrench, kMaxHinges> wrenches_;  // by hinge
   // By link between the hinges: its velocity, as ODE keeps those of its bodies. The velocity that follows
   // from those of the hinges in the pose after the step differs by a term of the order of the step, and so

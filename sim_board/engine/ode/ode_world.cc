@@ -8,6 +8,7 @@
 #include <string>
 #include <tuple>
 
+#include "sim_board/description/hinge_tree.h"
 #include "sim_board/engine/common/impact_search.h"
 #include "sim_board/engine/common/limits.h"
 #include "sim_board/engine/ode/bodies.h"
@@ -19,7 +20,6 @@
 #include "sim_board/engine/ode/saved_bodies.h"
 #include "sim_board/engine/ode/soles.h"
 #include "sim_board/engine/ode/tree_step.h"
-#include "sim_board/world/link_tree.h"
 
 namespace koboshi::sim_board {
 namespace {
@@ -109,7 +109,7 @@ class OdeWorld final : public World {
 
 OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
     : robot_(robot), options_(checked(options, robot)) {
-  const LinkTree tree(robot_);
+  const mechanics::HingeTree tree = hinge_tree(robot_);
   const std::vector<HingeChain> chains =
       options_.stepper == Stepper::kLumped ? lumped_hinges(robot_, tree) : single_hinges(tree);
   start_ode_in_this_thread();
@@ -117,7 +117,7 @@ OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
   bodies_ = std::make_unique<Bodies>(world_.get(), robot_, chains);
   make_joints(chains);
   saved_.resize(bodies_->all().size());
-  pose_bodies(tree.poses(robot_, options_.X_WB, options_.joint_positions_rad));
+  pose_bodies(tree.poses(options_.X_WB, options_.joint_positions_rad));
   if (options_.fixed_base) dBodySetKinematic(bodies_->of(0));
   collider_ = std::make_unique<Collider>(world_.get(), robot_, tree, *bodies_, options_);
   tree_.emplace(Tree{TreeStep(robot_, *bodies_, chains_, options_.gravity_W_m_per_s2, options_.step_s),

@@ -108,7 +108,7 @@ void ServoMotor::write_ode_stop() {
   dJointSetAMotorAngle(stop_.get(), 0, state_.position_rad / scale_);
 }
 
-void ServoMotor::write_tree_axis(JointSpace::Axis& axis) const {
+void ServoMotor::write_tree_axis(mechanics::JointSpace::Axis& axis) const {
   const Torque torque = tree_torque();
   axis.damping = step_s_ * torque.damping_Nm_s;
   axis.drive = step_s_ * (torque.at_rest_Nm - torque.damping_Nm_s * drift_rad_per_s_);
@@ -117,7 +117,7 @@ void ServoMotor::write_tree_axis(JointSpace::Axis& axis) const {
 void ServoMotor::add_rows(std::vector<TreeRow>& rows, int child, int parent, std::size_t dof) {
   friction_row_ = stop_row_ = kNoRow;
   TreeRow row{.body = child, .other_body = parent};
-  row.jacobian = spatial(b_W_, Eigen::Vector3d::Zero());
+  row.jacobian = mechanics::spatial(b_W_, Eigen::Vector3d::Zero());
   row.other_jacobian = -row.jacobian;
   if (friction_ == Friction::kBounded && servo_.friction_Nm > 0.0) {
     row.target = -drift_rad_per_s_;

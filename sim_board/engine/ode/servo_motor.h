@@ -46,7 +46,7 @@ class ServoMotor {
   void write_ode_rows();
 
   // Writes drive and damping of the hinge's axis in the tree.
-  void write_tree_axis(JointSpace::Axis& axis) const;
+  void write_tree_axis(mechanics::JointSpace::Axis& axis) const;
   // Appends the bounded rows: friction that the solver decides, and the stop. `child` and `parent` are the
   // bodies' indices in the tree, `dof` is the index of the hinge's axis.
   void add_rows(std::vector<TreeRow>& rows, int child, int parent, std::size_t dof);

@@ -13,7 +13,7 @@ namespace {
 // which tends to L x w for h -> 0.
 Eigen::Vector3d gyroscopic_torque_Nm(const Eigen::Matrix3d& I_W, const Eigen::Vector3d& w_W, double step_s) {
   const Eigen::Vector3d L = I_W * w_W;
-  const Eigen::Matrix3d implicit = I_W - step_s * cross_matrix(L);
+  const Eigen::Matrix3d implicit = I_W - step_s * mechanics::cross_matrix(L);
   return (I_W * (implicit.inverse() * L) - L) / step_s;
 }
 
@@ -35,8 +35,9 @@ std::size_t count_between(std::span<const JointChain> chains) {
 }
 
 // One joint for each hinge. Links between the hinges follow the `bodies` of ODE.
-std::vector<JointSpace::Joint> tree_joints(std::span<const JointChain> chains, std::size_t bodies) {
-  std::vector<JointSpace::Joint> joints;
+std::vector<mechanics::JointSpace::Joint> tree_joints(std::span<const JointChain> chains,
+                                                      std::size_t bodies) {
+  std::vector<mechanics::JointSpace::Joint> joints;
   for (const JointChain& chain : chains) {
     std::size_t parent = chain.parent_index();
     for (std::size_t i = 0; i < chain.links_between(); ++i, ++bodies) {
@@ -88,7 +89,7 @@ void TreeStep::read_body(std::size_t index) {
   const auto& [v_W, w_W] = velocities_[index];
   const Eigen::Vector3d p_OCom_W = vector_of(dBodyGetPosition(body)) - p_WO_W_;
   set_body(index, link, rotation_of(dBodyGetRotation(body)), p_OCom_W, v_W, w_W);
-  Vector6 force = spatial_force(p_OCom_W, vector_of(dBodyGetForce(body)));
+  mechanics::Vector6 force = mechanics::spatial_force(p_OCom_W, vector_of(dBodyGetForce(body)));
   force.head<3>() += vector_of(dBodyGetTorque(body));
   solver_.tree().body(index).momentum += step_s_ * force;
 }
@@ -97,9 +98,10 @@ void TreeStep::set_body(std::size_t index, const LinkDescription& link, const Ei
                         const Eigen::Vector3d& p_OCom_W, const Eigen::Vector3d& v_WCom_W,
                         const Eigen::Vector3d& w_W) {
   const Eigen::Matrix3d I_W = R_WL * link.I_LCom_L * R_WL.transpose();
-  JointSpace::Body& body = solver_.tree().body(index);
-  body.inertia = SpatialInertia(link.mass_kg, p_OCom_W, I_W);
-  body.momentum = spatial_force(p_OCom_W, link.mass_kg * (v_WCom_W + step_s_ * gravity_W_m_per_s2_));
+  mechanics::JointSpace::Body& body = solver_.tree().body(index);
+  body.inertia = mechanics::SpatialInertia(link.mass_kg, p_OCom_W, I_W);
+  body.momentum =
+      mechanics::spatial_force(p_OCom_W, link.mass_kg * (v_WCom_W + step_s_ * gravity_W_m_per_s2_));
   body.momentum.head<3>() += I_W * w_W + step_s_ * gyroscopic_torque_Nm(I_W, w_W, step_s_);
 }
 
@@ -127,8 +129,8 @@ bool TreeStep::solve(std::span<JointChain> chains, Collider& collider, Soles& so
 void TreeStep::write_velocities() {
   for (std::size_t b = 0; b < velocities_.size(); ++b) {
     const dBodyID body = bodies_.all()[b].get();
-    const Vector6& velocity = solver_.tree().velocity(b);
-    const Eigen::Vector3d v_W = velocity_at(velocity, vector_of(dBodyGetPosition(body)) - p_WO_W_);
+    const mechanics::Vector6& velocity = solver_.tree().velocity(b);
+    const Eigen::Vector3d v_W = mechanics::velocity_at(velocity, vector_of(dBodyGetPosition(body)) - p_WO_W_);
     dBodySetLinearVel(body, v_W.x(), v_W.y(), v_W.z());
     dBodySetAngularVel(body, velocity[0], velocity[1], velocity[2]);
   }

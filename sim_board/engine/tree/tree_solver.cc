@@ -30,11 +30,11 @@ double dot(const double* one, const double* other, std::size_t size) {
 
 }  // namespace
 
-TreeSolver::TreeSolver(std::size_t bodies, std::span<const JointSpace::Joint> joints)
+TreeSolver::TreeSolver(std::size_t bodies, std::span<const mechanics::JointSpace::Joint> joints)
     : tree_(bodies, joints),
       reduced_(kUsualRows * tree_.dofs()),
       reduced_sum_(tree_.dofs()),
-      body_impulses_(bodies, Vector6::Zero()),
+      body_impulses_(bodies, mechanics::Vector6::Zero()),
       lcp_(kUsualRows) {
   rows_.reserve(kUsualRows);
   frictions_.reserve(kUsualRows);
@@ -232,7 +232,7 @@ void TreeSolver::apply_impulses() {
 }
 
 void TreeSolver::find_joint_impulses() {
-  std::ranges::fill(body_impulses_, Vector6::Zero());
+  std::ranges::fill(body_impulses_, mechanics::Vector6::Zero());
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const TreeRow& row = rows_[r];
     body_impulses_[to_index(row.body)] += impulse(r) * row.jacobian;

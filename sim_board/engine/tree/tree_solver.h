@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "mechanics/box_lcp.h"
+#include "mechanics/joint_space.h"
+#include "mechanics/spatial.h"
 #include "sim_board/engine/common/friction.h"
-#include "sim_board/engine/tree/box_lcp.h"
-#include "sim_board/engine/tree/joint_space.h"
-#include "sim_board/engine/tree/spatial.h"
 #include "sim_board/state/archive.h"
 
 namespace koboshi::sim_board {
@@ -20,8 +20,8 @@ namespace koboshi::sim_board {
 struct TreeRow {
   int body = 0;
   int other_body = -1;
-  Vector6 jacobian = Vector6::Zero();
-  Vector6 other_jacobian = Vector6::Zero();
+  mechanics::Vector6 jacobian = mechanics::Vector6::Zero();
+  mechanics::Vector6 other_jacobian = mechanics::Vector6::Zero();
   double target = 0.0;    // m/s or rad/s
   double softness = 0.0;  // per unit of impulse: 1/kg or 1/(kg m^2)
   double lower = -std::numeric_limits<double>::infinity();
@@ -30,7 +30,7 @@ struct TreeRow {
   std::uint64_t id = 0;
 
   // Speed along the row at these velocities of the bodies.
-  double speed(std::span<const Vector6> velocities) const {
+  double speed(std::span<const mechanics::Vector6> velocities) const {
     const double own = jacobian.dot(velocities[static_cast<std::size_t>(body)]);
     if (other_body < 0) return own;
     return own + other_jacobian.dot(velocities[static_cast<std::size_t>(other_body)]);
@@ -55,10 +55,10 @@ struct TreeFriction {
 // with the guesses that follow from the last solution, until all contact points obey the law of friction.
 class TreeSolver {
  public:
-  TreeSolver(std::size_t bodies, std::span<const JointSpace::Joint> joints);
+  TreeSolver(std::size_t bodies, std::span<const mechanics::JointSpace::Joint> joints);
 
-  JointSpace& tree() { return tree_; }
-  const JointSpace& tree() const { return tree_; }
+  mechanics::JointSpace& tree() { return tree_; }
+  const mechanics::JointSpace& tree() const { return tree_; }
   // Rows of the next solution.
   std::vector<TreeRow>& rows() { return rows_; }
   const TreeRow& row(std::size_t index) const { return rows_[index]; }
@@ -80,7 +80,7 @@ class TreeSolver {
   struct Solution {
     std::uint64_t id = 0;
     double x = 0.0;
-    BoxLcp::Side side = BoxLcp::Side::kFree;
+    mechanics::BoxLcp::Side side = mechanics::BoxLcp::Side::kFree;
   };
 
   std::span<double> reduced(std::size_t row) { return {&reduced_[row * tree_.dofs()], tree_.dofs()}; }
@@ -97,11 +97,11 @@ class TreeSolver {
   void relax_guesses(int solution);
   void apply_impulses();
 
-  JointSpace tree_;
+  mechanics::JointSpace tree_;
   std::vector<TreeRow> rows_;
-  std::vector<double> reduced_;         // by row: reduced Jacobian
-  std::vector<double> reduced_sum_;     // by dof
-  std::vector<Vector6> body_impulses_;  // by body
+  std::vector<double> reduced_;                    // by row: reduced Jacobian
+  std::vector<double> reduced_sum_;                // by dof
+  std::vector<mechanics::Vector6> body_impulses_;  // by body
   std::vector<TreeFriction> frictions_;
   std::vector<FrictionRows> friction_rows_;  // of the present solution
   std::vector<double> normals_;              // guesses of the present solution, by friction
@@ -113,7 +113,7 @@ class TreeSolver {
   bool settled_ = true;
   std::vector<Solution> solutions_;  // by row
   std::vector<Solution> last_;       // of the last call
-  BoxLcp lcp_;
+  mechanics::BoxLcp lcp_;
 };
 
 }  // namespace koboshi::sim_board

@@ -8,6 +8,7 @@
 #include "firmware/fixed/host/convert.h"
 #include "firmware/robot/kinematics.h"
 #include "firmware/robot/leg.h"
+#include "mechanics/point_reach.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -21,13 +22,10 @@ using robot::JointRole;
 using Support = BodyTargets::Support;
 
 constexpr int kMaxCorrections = 60;
-constexpr int kMaxArmSteps = 100;
 // Residuals that count as reached: half of the change that one step of a 12 bit encoder makes at the foot.
 constexpr double kReached_m = 2e-4;
 constexpr double kReached_rad = 1e-3;
 constexpr double kConverged_m = 2e-6;
-constexpr double kDamping_m = 2e-3;  // of the least squares
-constexpr double kMaxArmStep_rad = 0.4;
 constexpr std::size_t kArmJoints = 3;
 
 Vector3d vector_of(const robot::Position& p) { return {to_double(p.x), to_double(p.y), to_double(p.z)}; }
@@ -98,117 +96,57 @@ class Arm {
     for (std::size_t i = 0; i < kArmJoints; ++i) {
       const auto joint = model_.find(static_cast<JointRole>(static_cast<std::size_t>(first) + i));
       if (!joint) return;
+      const robot::Joint& hinge = model_.joints[*joint];
       joints_.push_back(*joint);
+      chain_.hinges.push_back({.anchor_P = vector_of(hinge.anchor),
+                               .axis_P = vector_of(hinge.axis),
+                               .lower_rad = to_double(hinge.lower),
+                               .upper_rad = to_double(hinge.upper)});
     }
-    if (robot.hands[side]) tip_ = vector_of(*robot.hands[side]);
+    if (robot.hands[side]) chain_.tip = vector_of(*robot.hands[side]);
     is_complete_ = robot.hands[side].has_value();
   }
 
   bool is_complete() const { return is_complete_; }
   std::span<const std::size_t> joints() const { return joints_; }
 
-  Vector3d tip_B(std::span<const Angle> angles) const {
-    Vector3d q = angles_of(angles);
-    return chain(q).tip;
-  }
+  Vector3d tip_B(std::span<const Angle> angles) const { return chain_.tip_at(positions_rad(angles)); }
 
   // Moves the arm's angles towards the target; returns the distance that is left.
   double reach(const Vector3d& target_B, std::span<Angle> angles) const {
-    const Vector3d from = angles_of(angles);
-    Vector3d best = from;
-    double distance_m = solve(target_B, best);
+    Positions best = positions_rad(angles);
+    double distance_m = mechanics::reach_point(chain_, target_B, best);
     // Other poses of the arm, where the first leads into a limit.
     for (const double share : {0.5, 0.25, 0.75}) {
       if (distance_m < kReached_m) break;
-      Vector3d q = lower() + share * (upper() - lower());
-      const double other_m = solve(target_B, q);
+      Positions q;
+      for (std::size_t i = 0; i < kArmJoints; ++i) {
+        const mechanics::PointChain::Hinge& hinge = chain_.hinges[i];
+        q[i] = hinge.lower_rad + share * (hinge.upper_rad - hinge.lower_rad);
+      }
+      const double other_m = mechanics::reach_point(chain_, target_B, q);
       if (other_m >= distance_m) continue;
       distance_m = other_m;
       best = q;
     }
-    for (std::size_t i = 0; i < kArmJoints; ++i) {
-      angles[joints_[i]] = robot::clamp_to_limits(
-          model_.joints[joints_[i]], fixed::from_double<Angle>(best[static_cast<Eigen::Index>(i)]));
-    }
+    for (std::size_t i = 0; i < kArmJoints; ++i)
+      angles[joints_[i]] =
+          robot::clamp_to_limits(model_.joints[joints_[i]], fixed::from_double<Angle>(best[i]));
     return distance_m;
   }
 
  private:
-  struct Chain {
-    std::array<Vector3d, kArmJoints> anchors;
-    std::array<Vector3d, kArmJoints> axes;
-    Vector3d tip;
-  };
+  using Positions = std::array<double, kArmJoints>;
 
-  Vector3d angles_of(std::span<const Angle> angles) const {
-    return {to_double(angles[joints_[0]]), to_double(angles[joints_[1]]), to_double(angles[joints_[2]])};
-  }
-  Vector3d limits(Angle robot::Joint::*which) const {
-    return {to_double(model_.joints[joints_[0]].*which), to_double(model_.joints[joints_[1]].*which),
-            to_double(model_.joints[joints_[2]].*which)};
-  }
-  Vector3d lower() const { return limits(&robot::Joint::lower); }
-  Vector3d upper() const { return limits(&robot::Joint::upper); }
-
-  Chain chain(const Vector3d& q) const {
-    Chain result;
-    Isometry3d X = Isometry3d::Identity();
-    for (std::size_t i = 0; i < kArmJoints; ++i) {
-      const robot::Joint& joint = model_.joints[joints_[i]];
-      const Vector3d axis = vector_of(joint.axis);
-      X.translate(vector_of(joint.anchor));
-      result.anchors[i] = X.translation();
-      result.axes[i] = X.linear() * axis;
-      X.rotate(Eigen::AngleAxisd(q[static_cast<Eigen::Index>(i)], axis));
-    }
-    result.tip = X * tip_;
-    return result;
-  }
-
-  // Damped least squares (Wampler 1986) with joints that stay at their limits while the step leads beyond.
-  double solve(const Vector3d& target_B, Vector3d& q) const {
-    const Vector3d least = lower();
-    const Vector3d most = upper();
-    double best_m = std::numeric_limits<double>::infinity();
-    Vector3d best = q;
-    for (int step = 0; step < kMaxArmSteps; ++step) {
-      const Chain now = chain(q);
-      const Vector3d error = target_B - now.tip;
-      if (error.norm() < best_m) {
-        best_m = error.norm();
-        best = q;
-      }
-      if (best_m < kConverged_m) break;
-      Matrix3d J;
-      for (std::size_t i = 0; i < kArmJoints; ++i) {
-        J.col(static_cast<Eigen::Index>(i)) = now.axes[i].cross(now.tip - now.anchors[i]);
-      }
-      for (int pass = 0; pass < 3; ++pass) {
-        const double damping = std::min(kDamping_m, error.norm());
-        Vector3d change = J.transpose() *
-                          (J * J.transpose() + damping * damping * Matrix3d::Identity()).ldlt().solve(error);
-        const double longest = change.cwiseAbs().maxCoeff();
-        if (longest > kMaxArmStep_rad) change *= kMaxArmStep_rad / longest;
-        bool blocked = false;
-        for (Eigen::Index i = 0; i < 3; ++i) {
-          const bool outward = (q[i] >= most[i] && change[i] > 0.0) || (q[i] <= least[i] && change[i] < 0.0);
-          if (outward && !J.col(i).isZero()) {
-            J.col(i).setZero();
-            blocked = true;
-          }
-        }
-        if (blocked) continue;
-        q = (q + change).cwiseMax(least).cwiseMin(most);
-        break;
-      }
-    }
-    q = best;
-    return best_m;
+  Positions positions_rad(std::span<const Angle> angles) const {
+    Positions q;
+    for (std::size_t i = 0; i < kArmJoints; ++i) q[i] = to_double(angles[joints_[i]]);
+    return q;
   }
 
   const robot::RobotModel& model_;
   std::vector<std::size_t> joints_;
-  Vector3d tip_ = Vector3d::Zero();
+  mechanics::PointChain chain_;
   bool is_complete_ = false;
 };
 

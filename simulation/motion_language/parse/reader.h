@@ -20,7 +20,7 @@ class Reader {
 
   Diagnostics& diagnostics() { return diagnostics_; }
 
-  // Place of a map's entry: its key. Of a list's item: the value.
+  // The place of a map's entry is its key, that of a list's item its value.
   [[nodiscard]] static Place key_place(const YamlNode& node);
   [[nodiscard]] static Place value_place(const YamlNode& node);
 

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "firmware/fixed/host/convert.h"
+#include "sim_board/description/hinge_tree.h"
 #include "sim_board/description/load.h"
-#include "sim_board/world/link_tree.h"
 #include "tests/studio/document/sample_document.h"
 
 namespace koboshi::studio {
@@ -24,11 +24,13 @@ constexpr double kSupport_m = 0.0001;
 // The bodies in double precision, from the robot's description: another way than that of the firmware.
 class Bodies {
  public:
-  Bodies() : robot_(sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf")), tree_(robot_) {}
+  Bodies()
+      : robot_(sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf")),
+        tree_(sim_board::hinge_tree(robot_)) {}
 
   // In the trunk's frame.
   Isometry3d pose(DragBody body, std::span<const double> angles_rad) const {
-    const auto links = tree_.poses(robot_, Isometry3d::Identity(), angles_rad);
+    const auto links = tree_.poses(Isometry3d::Identity(), angles_rad);
     return links[static_cast<std::size_t>(link(body))];
   }
 
@@ -52,7 +54,7 @@ class Bodies {
   }
 
   sim_board::RobotDescription robot_;
-  sim_board::LinkTree tree_;
+  mechanics::HingeTree tree_;
 };
 
 const Bodies& bodies() {
@@ -272,30 +274,6 @@ TEST(PoseDrag, StaysAtItsLimitBeyondHalfATurn) {
   for (std::size_t joint = 0; joint < standing.size(); ++joint)
     EXPECT_NEAR(beyond.angles_rad[joint], half.angles_rad[joint], 0.01)
         << sample_robot()->model.joint_names[joint];
-}
-
-TEST(BoundedLeastSquares, FindTheMinimumOfAQuadraticWithinBounds) {
-  std::mt19937 random(3);
-  std::normal_distribution<double> normal;
-  for (int i = 0; i < 200; ++i) {
-    const Eigen::MatrixXd A = Eigen::MatrixXd::NullaryExpr(6, 4, [&] { return normal(random); });
-    const Eigen::MatrixXd H = A.transpose() * A + 1e-3 * Eigen::MatrixXd::Identity(4, 4);
-    const Eigen::VectorXd g = Eigen::VectorXd::NullaryExpr(4, [&] { return 3.0 * normal(random); });
-    VariableBounds bounds{Eigen::VectorXd::Constant(4, -0.5), Eigen::VectorXd::Constant(4, 0.7)};
-    bounds.lower[i % 4] = 0.0;
-    const Eigen::VectorXd d = minimise_quadratic(H, g, bounds);
-    const Eigen::VectorXd slope = H * d + g;  // Karush, Kuhn and Tucker
-    for (Eigen::Index k = 0; k < 4; ++k) {
-      ASSERT_GE(d[k], bounds.lower[k]);
-      ASSERT_LE(d[k], bounds.upper[k]);
-      if (d[k] > bounds.lower[k]) {
-        ASSERT_LT(slope[k], 1e-9);
-      }
-      if (d[k] < bounds.upper[k]) {
-        ASSERT_GT(slope[k], -1e-9);
-      }
-    }
-  }
 }
 
 // Aside, the leg of the other foot is too short: the trunk reaches the place only over the foot on that side.

@@ -269,7 +269,8 @@ class TuningTest final : public QObject {
     QTRY_VERIFY(compare.table().rowCount() > 0);
     QCOMPARE(compare.table().item(0, 0)->text(), QStringLiteral("Speed [m/s]"));
     QTRY_VERIFY(compare.table().item(0, 3)->text().toDouble() < -0.01);
-    QCOMPARE(compare.view().posed().size(), 2 * compare.comparison()->recording(0).scene.links.size());
+    QCOMPARE(compare.view().picture().posed().size(),
+             2 * compare.comparison()->recording(0).scene.links.size());
     QTRY_VERIFY(compare.view().frames() > 0);
   }
 

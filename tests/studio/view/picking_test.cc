@@ -94,7 +94,7 @@ TEST(Picker, ANearMissFindsTheNearestLink) {
     EXPECT_LE(found->distance_px, std::max(0.0, beside_px) + kNear_px / 3.0);
   }
   EXPECT_FALSE(near(kNear_px + 1.0, box_only));
-  // What is under the pixel comes before what is beside it.
+  // The link under the pixel comes before one beside it.
   const auto behind = near(4.0, [](int) { return true; });
   ASSERT_TRUE(behind);
   EXPECT_EQ(behind->hit.link, 1);

@@ -120,7 +120,7 @@ class BusTest final : public QObject {
     const auto wanted = static_cast<float>(state);
     return QTest::qWaitFor([&] { return value(RunController::kBusState) == wanted; }, kPatience_ms);
   }
-  // What the controller said and was told, for the message of a failure.
+  // The dialogue with the controller, for the message of a failure.
   QString story() const {
     QStringList lines;
     for (const view::Frame& frame : window_->run().recording().frames) {
@@ -207,7 +207,7 @@ class BusTest final : public QObject {
     auto* motions = window_->findChild<QComboBox*>(QStringLiteral("motions"));
     QTRY_COMPARE_WITH_TIMEOUT(motions->currentText(), QStringLiteral("bow"), kPatience_ms);
     QVERIFY(motions->findText(QStringLiteral("stand")) >= 0);
-    // What only a simulation can do is refused.
+    // A robot on a bus refuses what only a simulation can do.
     window_->run().give(simulation::Push());
     QVERIFY(window_->messages().isVisible());
   }

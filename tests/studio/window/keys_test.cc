@@ -212,15 +212,15 @@ class KeysTest final : public KeyboardFixture {
     QVERIFY(focus({"steps", "motion", steps}));
     const QModelIndex time = steps->model()->index(1, 2);
     steps->setCurrentIndex(time);
-    const Eigen::Vector2d camera(window_->view().camera().azimuth_rad,
-                                 window_->view().camera().elevation_rad);
+    const Eigen::Vector2d camera(window_->view().picture().camera().azimuth_rad,
+                                 window_->view().picture().camera().elevation_rad);
     QVERIFY(press({QStringLiteral("2"), QStringLiteral("Return")}));
     QTRY_COMPARE(time.data().toString(), QStringLiteral("2"));
-    QVERIFY(Eigen::Vector2d(window_->view().camera().azimuth_rad, window_->view().camera().elevation_rad) ==
-            camera);
+    QVERIFY(Eigen::Vector2d(window_->view().picture().camera().azimuth_rad,
+                            window_->view().picture().camera().elevation_rad) == camera);
     QVERIFY(press("ctrl+z"));
     QVERIFY(time.data().toString() != QStringLiteral("2"));
-    // What is being typed is saved, too.
+    // Saving includes the number that is being typed.
     window_->motion().show_row(0);
     box->setFocus();
     box->selectAll();

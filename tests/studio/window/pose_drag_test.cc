@@ -24,12 +24,12 @@ class PoseDragTest final : public ViewFixture {
     open_scenario("walk.yaml");
     run_to(1'000'000);
     window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
-    QTRY_VERIFY(window_->view().has_ghost());
+    QTRY_VERIFY(window_->view().picture().has_ghost());
     run_to(1'010'000);
   }
   QPoint place_of_point(const Eigen::Vector3d& p_W_m) {
     const RobotView& view = window_->view();
-    const Eigen::Vector2d px = view::project(view.camera(), view.width(), view.height(), p_W_m);
+    const Eigen::Vector2d px = view::project(view.picture().camera(), view.width(), view.height(), p_W_m);
     return QPointF(px.x(), px.y()).toPoint();
   }
   // The rings leave most of the foot to be grabbed, also in a small view.
@@ -91,29 +91,29 @@ class PoseDragTest final : public ViewFixture {
       if (is_free(place)) beside = place + QPoint(4, 0);
     QVERIFY(beside && is_free(*beside));
     const std::string before = motion.text();
-    const double azimuth = view.camera().azimuth_rad;
+    const double azimuth = view.picture().camera().azimuth_rad;
     drag(*beside, {30, -40});
     QVERIFY(motion.text() != before);
-    QCOMPARE(view.camera().azimuth_rad, azimuth);
+    QCOMPARE(view.picture().camera().azimuth_rad, azimuth);
     drag({5, 5}, {30, 0});
-    QVERIFY(view.camera().azimuth_rad != azimuth);
+    QVERIFY(view.picture().camera().azimuth_rad != azimuth);
   }
 
   void the_camera_stays_above_the_floor() {
     window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
     RobotView& view = window_->view();
     QTRY_VERIFY(place_of("left_forearm"));
-    const view::Camera at_first = view.camera();
+    const view::Camera at_first = view.picture().camera();
     for (int i = 0; i < 4; ++i) {
       drag({5, view.height() - 5}, {20, 10 - view.height()});
       drag({5, view.height() - 5}, {20, 10 - view.height()}, Qt::ShiftModifier);
-      QVERIFY(view.camera().eye_W_m().z() > 0.0199);
-      QVERIFY(view.camera().target_W_m.z() > -1e-9);
+      QVERIFY(view.picture().camera().eye_W_m().z() > 0.0199);
+      QVERIFY(view.picture().camera().target_W_m.z() > -1e-9);
     }
     QTest::keyClick(window_.get(), Qt::Key_F);
-    QVERIFY((view.camera().target_W_m - at_first.target_W_m).norm() < 0.01);
-    QVERIFY(std::abs(view.camera().distance_m - at_first.distance_m) < 0.01);
-    QVERIFY(view.camera().elevation_rad > 0.1);
+    QVERIFY((view.picture().camera().target_W_m - at_first.target_W_m).norm() < 0.01);
+    QVERIFY(std::abs(view.picture().camera().distance_m - at_first.distance_m) < 0.01);
+    QVERIFY(view.picture().camera().elevation_rad > 0.1);
   }
 
   void drags_the_trunk_with_both_feet_on_the_ground() {
@@ -121,10 +121,10 @@ class PoseDragTest final : public ViewFixture {
     MotionPanel& motion = window_->motion();
     RobotView& view = window_->view();
     QTRY_VERIFY(place_of("trunk"));
-    const auto before = view.posed();
-    const auto soles = view.scene().sole_links;
+    const auto before = view.picture().posed();
+    const auto soles = view.picture().scene().sole_links;
     drag(*place_of("trunk"), {0, 30});
-    const auto after = view.posed();
+    const auto after = view.picture().posed();
     QVERIFY(after[0].p_WL_m.z() < before[0].p_WL_m.z() - 0.002F);
     for (const int sole : soles) {
       const auto link = static_cast<std::size_t>(sole);
@@ -132,14 +132,14 @@ class PoseDragTest final : public ViewFixture {
     }
     // The right button turns the view, also from the robot.
     const std::string text = motion.text();
-    const double azimuth = view.camera().azimuth_rad;
+    const double azimuth = view.picture().camera().azimuth_rad;
     const QPoint place = *place_of("trunk");
     QTest::mousePress(&view, Qt::RightButton, {}, place);
     QMouseEvent move(QEvent::MouseMove, QPointF(place) + QPointF(50, 0),
                      view.mapToGlobal(QPointF(place) + QPointF(50, 0)), Qt::NoButton, Qt::RightButton, {});
     QApplication::sendEvent(&view, &move);
     QTest::mouseRelease(&view, Qt::RightButton, {}, place);
-    QVERIFY(view.camera().azimuth_rad != azimuth);
+    QVERIFY(view.picture().camera().azimuth_rad != azimuth);
     QCOMPARE(motion.text(), text);
   }
 
@@ -205,12 +205,12 @@ class PoseDragTest final : public ViewFixture {
     motion.findChild<QAction*>(QStringLiteral("undo"))->trigger();
     QCOMPARE(motion.text(), text);
     // It keeps its size on the screen: in the same place, half as near is half as large.
-    const double share = rings.length_m / view.camera().distance_m;
+    const double share = rings.length_m / view.picture().camera().distance_m;
     QWheelEvent wheel(QPointF(from), view.mapToGlobal(QPointF(from)), {}, {0, 240}, Qt::NoButton, {},
                       Qt::NoScrollPhase, false);
     QApplication::sendEvent(&view, &wheel);
     QVERIFY(view.gizmo()->length_m < 0.9 * rings.length_m);
-    QVERIFY(std::abs(view.gizmo()->length_m / view.camera().distance_m - share) < 1e-12);
+    QVERIFY(std::abs(view.gizmo()->length_m / view.picture().camera().distance_m - share) < 1e-12);
   }
 
   // Far below the ground: the knees are bent as far as they go.
@@ -224,21 +224,21 @@ class PoseDragTest final : public ViewFixture {
     QMouseEvent move(QEvent::MouseMove, far, view.mapToGlobal(far), Qt::NoButton, Qt::LeftButton, {});
     QApplication::sendEvent(&view, &move);
     const QString told = window_->statusBar()->currentMessage();
-    const std::vector<view::Tint> tints = view.picture().tints;
+    const std::vector<view::Tint> tints = view.picture().drawn().tints;
     save_picture("limit");
     QTest::mouseRelease(&view, Qt::LeftButton, {}, far.toPoint());
     QVERIFY2(
         told.contains(QStringLiteral("Out of reach by")) && told.contains(QStringLiteral("At the limit")),
         qPrintable(told));
-    QCOMPARE(tints.size(), view.scene().links.size());
+    QCOMPARE(tints.size(), view.picture().scene().links.size());
     const auto share = [&](const char* name) {
-      const auto& links = view.scene().links;
+      const auto& links = view.picture().scene().links;
       const auto found = std::ranges::find(links, std::string(name), &view::Link::name);
       return tints[static_cast<std::size_t>(found - links.begin())].share;
     };
     for (const char* name : {"left_thigh", "right_thigh", "left_foot"}) QVERIFY2(share(name) > 0.0F, name);
     for (const char* name : {"trunk", "head", "left_forearm"}) QVERIFY2(share(name) == 0.0F, name);
-    QVERIFY(view.picture().tints.empty());
+    QVERIFY(view.picture().drawn().tints.empty());
   }
 
   void rotates_a_foot_with_control_and_shift() {
@@ -347,7 +347,7 @@ class PoseDragTest final : public ViewFixture {
     QTRY_VERIFY(place_of("left_forearm"));
     const std::string text = motion.text();
     const std::vector<double> pose = motion.editable_pose();
-    const std::vector<view::Pose> robot = view.picture().links;
+    const std::vector<view::Pose> robot = view.picture().drawn().links;
     const view::Pose foot = pose_of("right_foot");
     const std::size_t elbow = joint("left_elbow");
     drag(*place_of("left_forearm"), {40, -40});
@@ -358,7 +358,8 @@ class PoseDragTest final : public ViewFixture {
             0.05);
     QVERIFY((pose_of("right_foot").p_WL_m - foot.p_WL_m).norm() < 1e-4F);
     // The robot of the run stays, and is not pushed.
-    for (std::size_t i = 0; i < robot.size(); ++i) QCOMPARE(view.picture().links[i].p_WL_m, robot[i].p_WL_m);
+    for (std::size_t i = 0; i < robot.size(); ++i)
+      QCOMPARE(view.picture().drawn().links[i].p_WL_m, robot[i].p_WL_m);
     QVERIFY(window_->run().recording().pushes.empty());
     save_picture("drag-ghost");
   }

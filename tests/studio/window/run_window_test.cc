@@ -158,7 +158,7 @@ class RunWindowTest final : public ViewFixture {
     open_scenario("walk.yaml");
     for (const view::NamedView& named : view::kNamedViews) {
       QTest::keyClick(window_.get(), named.key);
-      const view::Camera& camera = window_->view().camera();
+      const view::Camera& camera = window_->view().picture().camera();
       QVERIFY(std::abs(camera.azimuth_rad - named.azimuth_deg / 57.29578) < 1e-3);
       QVERIFY(std::abs(camera.elevation_rad - named.elevation_deg / 57.29578) < 1e-3);
     }

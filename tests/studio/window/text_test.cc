@@ -1,4 +1,4 @@
-// What the window shows in words: translations, shortcuts, tooltips, colours and resolution.
+// The window's texts: translations, shortcuts, tooltips, colours and resolution.
 
 #include <QAbstractItemModel>
 #include <QAbstractItemView>
@@ -44,7 +44,7 @@ class TextTest final : public QObject {
   QTemporaryDir folder_;
   std::unique_ptr<QTranslator> locale_;
 
-  // What is missing in one line; without doubles.
+  // Joins the missing texts in one line, without doubles.
   static QString join(QStringList missing) {
     missing.removeDuplicates();
     return missing.join(QStringLiteral(" | "));
@@ -232,7 +232,7 @@ class TextTest final : public QObject {
     for (const QString& text : std::as_const(painted))
       if (letters.match(text).hasMatch() && !text.contains(u'«') && !is_word(text)) missing << text;
     QVERIFY2(missing.isEmpty(), qPrintable(join(missing)));
-    // Of each widget that paints texts there is one: nothing was hidden.
+    // There is a text of each widget that paints texts: nothing was hidden.
     for (const char* text :
          {"State", "Drop signals", "forward", "A run shows", "margin", "its speed", "evaluation"})
       QVERIFY2(std::ranges::any_of(

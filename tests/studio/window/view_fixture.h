@@ -42,10 +42,11 @@ class ViewFixture : public QObject {
   std::optional<QPoint> trunk_place() {
     RobotView& view = window_->view();
     const auto& samples = window_->run().recording().samples;
-    const auto& links = samples.empty() ? view.posed() : samples.back().links;
+    const auto& links = samples.empty() ? view.picture().posed() : samples.back().links;
     if (links.empty()) return std::nullopt;
     const Eigen::Vector3d trunk_m = links[0].p_WL_m.cast<double>();
-    const Eigen::Vector2d place_px = view::project(view.camera(), view.width(), view.height(), trunk_m);
+    const Eigen::Vector2d place_px =
+        view::project(view.picture().camera(), view.width(), view.height(), trunk_m);
     for (int dy = -60; dy <= 20; dy += 10)
       for (int dx = -20; dx <= 20; dx += 10) {
         const QPointF place(place_px.x() + dx, place_px.y() + dy);
@@ -73,12 +74,12 @@ class ViewFixture : public QObject {
   // A place of the view at which this link of the edited robot is seen.
   std::optional<QPoint> place_of(const char* name) {
     RobotView& view = window_->view();
-    const auto& links = view.scene().links;
+    const auto& links = view.picture().scene().links;
     const auto found = std::ranges::find(links, std::string(name), &view::Link::name);
-    if (found == links.end() || view.posed().empty()) return std::nullopt;
+    if (found == links.end() || view.picture().posed().empty()) return std::nullopt;
     const auto link = static_cast<std::size_t>(found - links.begin());
-    const Eigen::Vector3d p_m = view.posed()[link].p_WL_m.cast<double>();
-    const Eigen::Vector2d place_px = view::project(view.camera(), view.width(), view.height(), p_m);
+    const Eigen::Vector3d p_m = view.picture().posed()[link].p_WL_m.cast<double>();
+    const Eigen::Vector2d place_px = view::project(view.picture().camera(), view.width(), view.height(), p_m);
     for (int reach = 0; reach <= 60; reach += 4)
       for (int dy = -reach; dy <= reach; dy += 4)
         for (int dx = -reach; dx <= reach; dx += 4) {
@@ -90,11 +91,11 @@ class ViewFixture : public QObject {
     return std::nullopt;
   }
   std::size_t link(const char* name) {
-    const auto& links = window_->view().scene().links;
+    const auto& links = window_->view().picture().scene().links;
     return static_cast<std::size_t>(std::ranges::find(links, std::string(name), &view::Link::name) -
                                     links.begin());
   }
-  view::Pose pose_of(const char* name) { return window_->view().posed().at(link(name)); }
+  view::Pose pose_of(const char* name) { return window_->view().picture().posed().at(link(name)); }
   void hover(const QPoint& place) {
     RobotView& view = window_->view();
     QMouseEvent move(QEvent::MouseMove, QPointF(place), view.mapToGlobal(QPointF(place)), Qt::NoButton,

@@ -16,7 +16,7 @@
 #include "tests/support/qt_tests.h"
 #include "view/render/playback.h"
 
-// What is seen and done in the view of the window.
+// The view of the window, and the mouse in it.
 namespace koboshi::studio {
 
 using test::kPatience_ms;
@@ -45,10 +45,10 @@ class ViewTest final : public ViewFixture {
       if (rows.rows[i].kind == simulation::StepSource::Kind::kMove) moves.push_back(i);
     QVERIFY(moves.size() >= 3);
     window_->motion().show_row(moves[1]);
-    QVERIFY(view.picture().ghosts.empty());
+    QVERIFY(view.picture().drawn().ghosts.empty());
     QTest::keyClick(window_.get(), Qt::Key_O, Qt::ControlModifier | Qt::ShiftModifier);
-    QCOMPARE(view.picture().ghosts.size(), std::size_t{2});
-    for (const view::Ghost& ghost : view.picture().ghosts) {
+    QCOMPARE(view.picture().drawn().ghosts.size(), std::size_t{2});
+    for (const view::Ghost& ghost : view.picture().drawn().ghosts) {
       QVERIFY(ghost.opacity < 0.5F);
       QVERIFY(ghost.tints.front().share > 0.0F);
       // On the same soles.
@@ -57,23 +57,25 @@ class ViewTest final : public ViewFixture {
       };
       QVERIFY(std::min(distance_m("left_foot"), distance_m("right_foot")) < 1e-5F);
     }
-    QVERIFY(view.picture().ghosts[0].tints[0].colour.red > view.picture().ghosts[1].tints[0].colour.red);
+    QVERIFY(view.picture().drawn().ghosts[0].tints[0].colour.red >
+            view.picture().drawn().ghosts[1].tints[0].colour.red);
     trigger_named("onion/before/0");
     trigger_named("onion/after/2");
     const std::size_t after = std::min<std::size_t>(2, moves.size() - 2);
-    QCOMPARE(view.picture().ghosts.size(), after);
-    if (after == 2) QVERIFY(view.picture().ghosts[0].opacity > view.picture().ghosts[1].opacity);
+    QCOMPARE(view.picture().drawn().ghosts.size(), after);
+    if (after == 2)
+      QVERIFY(view.picture().drawn().ghosts[0].opacity > view.picture().drawn().ghosts[1].opacity);
     // They follow the selection, and are no target of a drag.
     window_->motion().show_row(moves.back());
-    QVERIFY(view.picture().ghosts.empty());
-    QVERIFY(!view.has_ghost());
+    QVERIFY(view.picture().drawn().ghosts.empty());
+    QVERIFY(!view.picture().has_ghost());
     window_->open(kRoot / "robots/koboshi/motions/bow.yaml");
     trigger_named("onion/before/1");
     window_->motion().show_row(2);
     save_picture("onion");
     QTest::keyClick(window_.get(), Qt::Key_O, Qt::ControlModifier | Qt::ShiftModifier);
     window_->motion().show_row(moves[0]);
-    QVERIFY(view.picture().ghosts.empty());
+    QVERIFY(view.picture().drawn().ghosts.empty());
   }
 
   void names_frames_and_axes_under_the_mouse() {
@@ -82,7 +84,7 @@ class ViewTest final : public ViewFixture {
     QTRY_VERIFY(place_of("left_forearm"));
     const auto place = [&](const Eigen::Vector3f& p_W_m) {
       const Eigen::Vector2d px =
-          view::project(view.camera(), view.width(), view.height(), p_W_m.cast<double>());
+          view::project(view.picture().camera(), view.width(), view.height(), p_W_m.cast<double>());
       return QPointF(px.x(), px.y()).toPoint();
     };
     const QPoint head = place(pose_of("head").p_WL_m);
@@ -111,15 +113,15 @@ class ViewTest final : public ViewFixture {
     for (const char* other : {"Zero moment point", "Support polygon", "Pushes"}) action(other)->trigger();
     QVERIFY(action("Footprints")->isChecked());
     run_to(1'500'000);
-    const std::size_t standing = window_->view().picture().marks.flat.size();
+    const std::size_t standing = window_->view().picture().drawn().marks.flat.size();
     QVERIFY(standing > 0);
     run_to(6'000'000);
-    const std::size_t walking = window_->view().picture().marks.flat.size();
+    const std::size_t walking = window_->view().picture().drawn().marks.flat.size();
     QVERIFY2(walking > standing, qPrintable(QString::number(walking)));
     window_->run().set_cursor(1'500'000);
     window_->run().rewind_to_cursor();
     QTRY_COMPARE_WITH_TIMEOUT(window_->run().end_us(), std::uint64_t{1'500'000}, kPatience_ms);
-    QTRY_COMPARE(window_->view().picture().marks.flat.size(), standing);
+    QTRY_COMPARE(window_->view().picture().drawn().marks.flat.size(), standing);
   }
 
   void soles_and_zmp_from_above() {

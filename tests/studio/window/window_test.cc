@@ -137,7 +137,7 @@ class WindowTest final : public ViewFixture {
     QVERIFY(find_recoveries(default_recovery_folder()).empty());
   }
 
-  // What a message is, the sign, the word and the colours say, on both themes; the log keeps it.
+  // Sign, word and colours tell the kind of a message, on both themes; the log keeps it.
   void messages_look_like_what_they_are() {
     MessageBar& bar = window_->messages();
     auto* log = window_->findChild<LogPanel*>();

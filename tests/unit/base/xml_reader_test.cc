@@ -25,7 +25,7 @@ XmlRule box_rule() {
                        {.name = "notes", .content = XmlContent::kAnything}}};
 }
 
-// What reading `text` complains about, with the file's name as FILE; "nothing" if it does not.
+// Returns the complaint of reading `text`, with the file's name as FILE; "nothing" if there is none.
 std::string complaint(const std::string& text) {
   const ScratchFile scratch("xml", text);
   try {

@@ -12,7 +12,7 @@ namespace {
 
 using testing::ElementsAre;
 
-// What reading `text` complains about, with the file's name as FILE; "nothing" if it does not.
+// Returns the complaint of reading `text`, with the file's name as FILE; "nothing" if there is none.
 std::string complaint(const std::string& text, const std::function<void(const YamlMap&)>& read,
                       const std::vector<Override>& overrides = {}) {
   const ScratchFile scratch("yaml", text);

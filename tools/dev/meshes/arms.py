@@ -21,7 +21,7 @@ from meshes.solids import (
 
 
 def shoulder_bracket():
-    """Of the left side; the servo lies towards the trunk."""
+    """The left side's part; the servo lies towards the trunk."""
     y0 = -24.0
     end = plate_y(hull(circle(HORN_RADIUS), rectangle(-7.5, 7.5, -8.4, 8.4)), y0, y0 + SHEET, (), 0.2)
     tab = plate_z(

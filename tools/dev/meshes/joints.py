@@ -1,4 +1,4 @@
-"""What the joints of the default robot are made of, in millimetres: servo, horns, and the sheet metal between two joints.
+"""The parts of the default robot's joints, in millimetres: servo, horns, and the sheet metal between two joints.
 
 A joint's child carries the horns on the shaft and the bracket on the horns, its parent the case of the servo.
 """

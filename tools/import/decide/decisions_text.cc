@@ -43,7 +43,7 @@ std::string section(const std::string& head, const std::string& key,
 }
 
 std::string answers_section(const Interview& interview) {
-  std::string text = "\n# What no file can know.\nanswers:\n";
+  std::string text = "\n# Answers that no file contains.\nanswers:\n";
   for (const ImportQuestion& question : interview.questions()) {
     text += "  # " + utf8_text(question.text);
     if (!question.choices.empty()) text += " (" + join_alternatives(question.choices) + ")";

@@ -49,7 +49,7 @@ void write_all(int descriptor, std::string_view bytes) {
   set_limit(RLIMIT_FSIZE, 0);  // pipes are not files
   if (kLimitsMemory) set_limit(RLIMIT_AS, limits.memory_bytes);
   alarm(4 * limits.processor_s);  // of a child that waits
-  // What a library prints is not part of the program's output.
+  // The prints of a library must not become part of the program's output.
   const int null = open("/dev/null", O_RDWR);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(null, stream);
   try {

@@ -9,7 +9,8 @@
 namespace koboshi::tools {
 namespace {
 
-// Of the size of the mesh. Beyond this error a mesh has more triangles than was asked for.
+// Error in shares of the mesh's size. Where it would be larger, a mesh keeps more triangles than was asked
+// for.
 constexpr float kMaxError = 0.02F;
 
 // Corners at the same place become one vertex, without which the simplifier sees only borders. Triangles

@@ -30,7 +30,7 @@ std::optional<double> angle_between(const Vector3d& axis, const Vector3d& from, 
   return std::atan2(axis.dot(a.cross(b)), a.dot(b));
 }
 
-// What a joint straightens: the axis of the next joint, or the way to the next anchor.
+// The direction that a joint straightens: the axis of the next joint, or the way to the next anchor.
 struct Target {
   std::string_view role;
   std::string_view axis_of;  // make this joint's axis parallel to `along`

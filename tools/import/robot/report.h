@@ -15,7 +15,7 @@ struct ImportRepair {
   bool is_kept = false;   // import.yaml keeps the value that was found
 };
 
-// What an import did, in the order in which it did it. Each line is a whole phrase.
+// The steps of an import, in the order of their execution. Each line is a whole phrase.
 struct ImportReport {
   std::vector<std::string> ignored{};     // parts of the source without a counterpart
   std::vector<std::string> normalised{};  // poses that changed, each with its miss

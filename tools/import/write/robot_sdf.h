@@ -19,7 +19,7 @@ struct LinkMesh {
   std::optional<std::array<float, 3>> colour{};
 };
 
-// What the robot's file needs besides the robot.
+// The parts of a robot's file besides the robot.
 struct RobotFileParts {
   std::string name{};  // of the robot
   std::string source{};

@@ -47,7 +47,7 @@ MotionAnalysis::MotionAnalysis(const sim_board::RobotDescription& robot, const S
     : robot_(robot),
       supply_(supply),
       body_(robot),
-      pairs_(robot, body_),
+      pairs_(robot),
       extremes_(robot, body_, pairs_, stiffness_Nm_) {
   for (const sim_board::JointDescription& joint : robot.joints)
     stiffness_Nm_.push_back(stiffness_Nm_per_rad(joint.servo, supply.nominal_V));
@@ -159,8 +159,8 @@ TickState MotionAnalysis::compute(const Trajectory& trajectory, std::size_t tick
     state.corners = stance_.rest.corners;
     add_torques(stance_, state);
   }
-  body_.place(trajectory.row(tick), places_);
-  state.overlap = pairs_.deepest(places_);
+  body_.place(trajectory.row(tick), X_BLs_);
+  state.overlap = pairs_.deepest(X_BLs_);
   return state;
 }
 

@@ -23,7 +23,7 @@ struct JointShare {
   double share = 0.0;
 };
 
-// What the mechanics say about one tick. Points are projected to the ground, in GroundAxes of the tick.
+// The mechanics of one tick. Points are projected to the ground, in GroundAxes of the tick.
 struct TickState {
   Eigen::Vector3d up_B = Eigen::Vector3d::UnitZ();
   Eigen::Vector2d zmp_m = Eigen::Vector2d::Zero();
@@ -39,7 +39,7 @@ struct TickState {
   std::array<double, 2> load_share{};  // by hal::Side
   std::uint32_t corners = 0;           // of the soles, on the ground
   JointShare torque{};                 // the greatest share of a servo's torque at the lowest supply
-  // Of each servo, by joint; null if the robot does not stand. Shared by equal ticks.
+  // The load of each servo, by joint; null if the robot does not stand. Equal ticks share it.
   std::shared_ptr<const std::vector<ServoLoad>> loads{};
   Overlap overlap{};  // the deepest self-collision, of the targets
 
@@ -113,7 +113,7 @@ class MotionAnalysis {
   std::vector<bool> is_smoothed_;  // by tick
   std::vector<double> angles_, speeds_, accelerations_;
   Stance stance_;
-  LinkPlaces places_;
+  std::vector<Eigen::Isometry3d> X_BLs_;
 };
 
 }  // namespace koboshi::tools

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "mechanics/inverse_dynamics.h"
 #include "sim_board/description/description.h"
 #include "tools/motion/check/support.h"
 
@@ -14,12 +15,6 @@ namespace koboshi::tools {
 // The robot's mechanics for the check of motions: a tree of rigid links on one or two soles that do not slip,
 // on level ground, in double precision. Vectors are in axes of the trunk B, from its origin, unless a name
 // says otherwise.
-
-// Poses of all links in B, by index of RobotDescription::links.
-struct LinkPlaces {
-  std::vector<Eigen::Matrix3d> R_BL;
-  std::vector<Eigen::Vector3d> p_BL;
-};
 
 // The state of the standing robot at an instant.
 struct Stance {
@@ -33,16 +28,18 @@ struct Stance {
 
 class Body {
  public:
-  // The robot needs both ankle sensors: they say which links are feet. It must outlive the body.
+  // The robot needs both ankle sensors: they say which links are feet.
   explicit Body(const sim_board::RobotDescription& robot);
 
-  std::size_t joint_count() const { return joints_.size(); }
-  void place(std::span<const double> angles_rad, LinkPlaces& places) const;
+  std::size_t joint_count() const { return dynamics_.tree().hinges().size(); }
+  // Computes the poses of all links in B, by index of RobotDescription::links.
+  void place(std::span<const double> angles_rad, std::vector<Eigen::Isometry3d>& X_BLs) const {
+    dynamics_.tree().poses(Eigen::Isometry3d::Identity(), angles_rad, X_BLs);
+  }
 
   // Solves the inverse dynamics of the robot with these joint angles, speeds in rad/s and accelerations in
-  // rad/s^2, whose support foot is at rest: Newton-Euler recursion over the tree (Featherstone, "Rigid Body
-  // Dynamics Algorithms", 2008, section 5.3), and the ZMP as the point of the ground about which the
-  // horizontal moment of the ground force is zero (Vukobratovic and Borovac 2004).
+  // rad/s^2, whose support foot is at rest (mechanics::InverseDynamics), and the ZMP as the point of the
+  // ground about which the horizontal moment of the ground force is zero (Vukobratovic and Borovac 2004).
   //
   // On two feet the torques are statically indeterminate. The force is divided so that the feet's own centres
   // of pressure are equally far from their middles; the moment about the vertical is left out.
@@ -57,12 +54,12 @@ class Body {
   std::vector<Eigen::Vector2d> support_polygon(const Stance& stance) const;
   // Those of the last solved stance.
   const std::array<Eigen::Vector3d, 8>& corners_B() const { return corners_B_; }
-  const LinkPlaces& places() const { return places_; }
+  const std::vector<Eigen::Isometry3d>& X_BLs() const { return dynamics_.X_BLs(); }
   // The foot that carries more.
   static std::size_t support_side(const Stance& stance) {
     return stance.load_share[1] > stance.load_share[0] ? 1 : 0;
   }
-  double mass_kg() const { return mass_kg_; }
+  double mass_kg() const { return dynamics_.tree().mass_kg(); }
   // Height of the centre of mass above the soles at joint angles zero.
   double com_height_m() const { return com_height_m_; }
   std::size_t foot_link(std::size_t side) const { return feet_[side].link; }
@@ -74,55 +71,23 @@ class Body {
   static constexpr double kNearRoll_rad = 0.1;
 
  private:
-  struct Joint {
-    std::size_t index;  // in the robot's order
-    std::size_t parent;
-    std::size_t child;
-    Eigen::Vector3d axis_P;  // in the parent link's frame
-    Eigen::Vector3d anchor_P;
-    Eigen::Matrix3d R_PC;    // of the child at joint angle zero
-    Eigen::Vector3d p_AC_P;  // from the anchor to the child's origin at joint angle zero
-  };
-  struct LinkMass {
-    double mass_kg;
-    Eigen::Vector3d com_L;
-    Eigen::Matrix3d inertia_L;
-  };
   struct Foot {
     std::size_t link;
     std::array<Eigen::Vector3d, 4> corners_L;
     Eigen::Vector3d normal_L;
   };
-  struct Wrench {
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();
-    Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // about B's origin
-  };
-  struct Motion {
-    Eigen::Vector3d w, v, dw, dv;  // of the link's frame
-  };
 
   void find_support(Stance& stance);
   Eigen::Vector3d initial_up() const;
-  void set_rates(std::span<const double> speeds, std::span<const double> accelerations);
-  void fix_support_foot(std::size_t side);
-  Wrench link_wrenches(const Eigen::Vector3d& up_B);
-  void divide_load(const Wrench& total, Stance& stance);
-  void finish(Stance& stance, std::span<const double> accelerations);
+  // Divides the force of the ground among the feet.
+  void divide_load(const mechanics::Vector6& total, Stance& stance);
 
-  std::vector<Joint> joints_;  // parents before children
-  std::vector<LinkMass> links_;
+  mechanics::InverseDynamics dynamics_;
   std::vector<double> rotor_inertias_kg_m2_;  // by joint
+  std::vector<double> at_rest_;               // zeros, by joint
   std::array<Foot, 2> feet_;
-  double mass_kg_ = 0.0;
   double com_height_m_ = 0.0;
-
-  // Of the stance being solved.
-  LinkPlaces places_;
-  std::vector<Eigen::Vector3d> axes_B_, anchors_B_;  // by position in joints_
-  std::array<Eigen::Vector3d, 8> corners_B_;
-  Eigen::Vector3d com_B_ = Eigen::Vector3d::Zero();
-  std::vector<Motion> motions_;  // relative to B as if B were at rest, then absolute
-  std::vector<Wrench> wrenches_;
+  std::array<Eigen::Vector3d, 8> corners_B_;  // of the stance being solved
 };
 
 }  // namespace koboshi::tools

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sim_board/description/description.h"
-#include "tools/motion/check/body.h"
 
 namespace koboshi::tools {
 
@@ -21,19 +21,18 @@ struct Overlap {
 // zero.
 class CollisionPairs {
  public:
-  CollisionPairs(const sim_board::RobotDescription& robot, const Body& body);
+  explicit CollisionPairs(const sim_board::RobotDescription& robot);
 
-  // Returns the deepest overlap of links at these places, by separating axes of their boxes.
-  Overlap deepest(const LinkPlaces& places) const;
+  // Returns the deepest overlap of links at these poses, by separating axes of their boxes.
+  Overlap deepest(std::span<const Eigen::Isometry3d> X_WLs) const;
   // All of them, in the order of the boxes; a pair of links comes once for each pair of its boxes.
-  std::vector<Overlap> all(const LinkPlaces& places) const;
+  std::vector<Overlap> all(std::span<const Eigen::Isometry3d> X_WLs) const;
   std::size_t size() const { return pairs_.size(); }
 
  private:
   struct Box {
     std::size_t link;
-    Eigen::Matrix3d R_LG;
-    Eigen::Vector3d p_LG;
+    Eigen::Isometry3d X_LG;
     Eigen::Vector3d half_m;
     double radius_m;
   };
@@ -42,7 +41,7 @@ class CollisionPairs {
     std::size_t other_box;
   };
 
-  double overlap_m(const LinkPlaces& places, const Pair& pair) const;
+  double overlap_m(std::span<const Eigen::Isometry3d> X_WLs, const Pair& pair) const;
 
   std::vector<Box> boxes_;
   std::vector<Pair> pairs_;

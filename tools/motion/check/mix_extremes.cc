@@ -84,8 +84,8 @@ MixExtreme MixExtremes::worst_of(const Trajectory& trajectory, std::size_t tick)
   for (unsigned signs = sources;; signs = (signs - 1) & sources) {
     const auto mask = static_cast<std::uint8_t>(signs);
     apply(trajectory.row(tick), bounds, mask);
-    body_.place(angles_, places_);
-    if (const Overlap overlap = pairs_.deepest(places_); overlap.depth_m > worst.overlap.depth_m) {
+    body_.place(angles_, X_BLs_);
+    if (const Overlap overlap = pairs_.deepest(X_BLs_); overlap.depth_m > worst.overlap.depth_m) {
       worst.overlap = overlap;
       worst.overlap_signs = mask;
     }

@@ -65,7 +65,7 @@ class MixExtremes {
 
   // Scratch.
   std::vector<double> angles_;
-  LinkPlaces places_;
+  std::vector<Eigen::Isometry3d> X_BLs_;
   Stance stance_;
 };
 

@@ -52,7 +52,7 @@ struct PathReport {
   double duration_s = 0.0;
 };
 
-// What a motion is checked against.
+// The limits that a motion is checked against.
 struct CheckLimits {
   behaviour::FallLimits fall{};
   double max_declared_lean_rad = 0.0;    // object 2140:7; the firmware clamps declared leans to it

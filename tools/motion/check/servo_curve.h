@@ -27,7 +27,7 @@ inline double motor_torque_Nm(const sim_board::ServoDescription& servo, double t
   return turning_Nm + std::copysign(servo.coulomb_friction_Nm, speed_rad_per_s);
 }
 
-// What a motor gives and what it has in the direction in which it gives it; at the output.
+// The torque that a motor gives, and what is available in this direction; at the output.
 struct ServoLoad {
   float torque_Nm = 0.0F;     // positive towards positive angles
   float available_Nm = 0.0F;  // at the speed and the lowest supply; not negative

@@ -36,11 +36,12 @@ Isometry3d Placement::place(std::span<const double> angles_rad) {
 }
 
 std::vector<view::Pose> Placement::links() const {
-  const LinkPlaces& places = body_.places();
   std::vector<view::Pose> links;
-  for (std::size_t link = 0; link < places.R_BL.size(); ++link)
-    links.push_back({.p_WL_m = Vector3d(X_WB_ * places.p_BL[link]).cast<float>(),
-                     .q_WL = Eigen::Quaterniond(Matrix3d(X_WB_.linear() * places.R_BL[link])).cast<float>()});
+  for (const Isometry3d& X_BL : body_.X_BLs()) {
+    const Isometry3d X_WL = X_WB_ * X_BL;
+    links.push_back({.p_WL_m = X_WL.translation().cast<float>(),
+                     .q_WL = Eigen::Quaterniond(X_WL.linear()).cast<float>()});
+  }
   return links;
 }
 
@@ -49,11 +50,7 @@ Eigen::Vector2d Placement::on_ground(const Eigen::Vector2d& p_m) const {
 }
 
 Isometry3d Placement::foot(const Isometry3d& X_GB, std::size_t side) const {
-  const std::size_t link = body_.foot_link(side);
-  Isometry3d X_BF = Isometry3d::Identity();
-  X_BF.linear() = body_.places().R_BL[link];
-  X_BF.translation() = body_.places().p_BL[link];
-  return X_GB * X_BF;
+  return X_GB * body_.X_BLs()[body_.foot_link(side)];
 }
 
 }  // namespace koboshi::tools

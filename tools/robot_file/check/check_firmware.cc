@@ -1,4 +1,4 @@
-// What the firmware cannot run: R028, R029.
+// Finds robots that the firmware cannot run: R028, R029.
 
 #include "simulation/assembly/robot_parameters.h"
 #include "simulation/model/robot_model.h"

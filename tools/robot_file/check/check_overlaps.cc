@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include "base/text/user_units.h"
+#include "sim_board/description/hinge_tree.h"
 #include "sim_board/engine/common/model_constants.h"
 #include "sim_board/world/box_overlap.h"
-#include "sim_board/world/link_tree.h"
 #include "tools/robot_file/check/checked_model.h"
 
 namespace koboshi::tools {
+
 double overlap_m(const sim_board::LinkDescription& a, const Eigen::Isometry3d& X_MA,
                  const sim_board::LinkDescription& b, const Eigen::Isometry3d& X_MB) {
   double depth_m = 0.0;
@@ -21,10 +22,10 @@ double overlap_m(const sim_board::LinkDescription& a, const Eigen::Isometry3d& X
 
 // Links with fewer joints between them may overlap: their boxes hold the same servo.
 void check_overlaps(CheckedModel& model) {
-  const sim_board::LinkTree tree(model.robot);
+  const mechanics::HingeTree tree = sim_board::hinge_tree(model.robot);
   for (std::size_t a = 0; a < model.robot.links.size(); ++a)
     for (std::size_t b = a + 1; b < model.robot.links.size(); ++b) {
-      if (tree.distance(static_cast<int>(a), static_cast<int>(b)) < sim_board::kMinJointsBetween) continue;
+      if (tree.distance(a, b) < sim_board::kMinJointsBetween) continue;
       const double depth_m = overlap_m(model.robot.links[a], model.robot.links[a].X_ML, model.robot.links[b],
                                        model.robot.links[b].X_ML);
       if (depth_m <= kTouchingBoxes_m) continue;

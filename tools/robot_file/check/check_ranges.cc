@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "base/text/user_units.h"
+#include "sim_board/description/hinge_tree.h"
 #include "sim_board/engine/common/model_constants.h"
-#include "sim_board/world/link_tree.h"
 #include "tools/import/decide/role_joints.h"
 #include "tools/robot_file/check/checked_model.h"
 
@@ -32,7 +32,7 @@ struct Contact {
 class RangeSampler {
  public:
   explicit RangeSampler(const sim_board::RobotDescription& robot)
-      : robot_(robot), tree_(robot), angles_rad_(robot.joints.size(), 0.0) {
+      : robot_(robot), tree_(sim_board::hinge_tree(robot)), angles_rad_(robot.joints.size(), 0.0) {
     for (std::size_t link = 0; link < robot.links.size(); ++link)
       if (!robot.links[link].collisions.empty()) with_boxes_.push_back(link);
   }
@@ -69,10 +69,10 @@ class RangeSampler {
     return {std::max(range_rad[0], joint.lower_rad), std::min(range_rad[1], joint.upper_rad)};
   }
 
-  void pose() { tree_.poses(robot_, robot_.links.front().X_ML, angles_rad_, X_ML_); }
+  void pose() { tree_.poses(robot_.links.front().X_ML, angles_rad_, X_ML_); }
 
   double overlap_m(std::size_t a, std::size_t b) const {
-    if (tree_.distance(static_cast<int>(a), static_cast<int>(b)) < sim_board::kMinJointsBetween) return 0.0;
+    if (tree_.distance(a, b) < sim_board::kMinJointsBetween) return 0.0;
     return tools::overlap_m(robot_.links[a], X_ML_[a], robot_.links[b], X_ML_[b]);
   }
 
@@ -108,7 +108,7 @@ class RangeSampler {
   }
 
   const sim_board::RobotDescription& robot_;
-  const sim_board::LinkTree tree_;
+  const mechanics::HingeTree tree_;
   std::vector<std::size_t> with_boxes_;
   std::vector<double> angles_rad_;
   std::vector<Eigen::Isometry3d> X_ML_;

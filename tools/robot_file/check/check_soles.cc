@@ -24,7 +24,7 @@ struct Heights {
   }
 };
 
-// Of the underside of a foot's lowest box, the sole; a box above it may be of any shape.
+// The heights of the sole, the underside of a foot's lowest box; a box above it may be of any shape.
 Heights sole_of(const sim_board::RobotDescription& robot, const sim_board::Foot& foot) {
   const Eigen::Isometry3d& X_ML = robot.links[static_cast<std::size_t>(foot.link)].X_ML;
   Heights sole;

@@ -12,10 +12,10 @@
 
 namespace koboshi::tools {
 
-// What the reader finds in a robot's file, R001 and R011 to R027.
+// The reader's findings in a robot's file, R001 and R011 to R027.
 struct ReaderFindings {
   std::vector<ModelFinding> findings{};
-  // Of the file with its repairs; none if a fault has no repair that can be made without a choice.
+  // The robot of the repaired file; none if a fault has no repair that can be made without a choice.
   std::optional<sim_board::RobotDescription> robot{};
   std::optional<ModelPlaces> places{};  // none: the file is no XML of a robot
 };

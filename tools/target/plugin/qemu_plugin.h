@@ -25,7 +25,7 @@ void qemu_plugin_register_vcpu_insn_exec_cb(qemu_plugin_insn* instruction,
                                             void (*executed)(unsigned int cpu, void* data),
                                             qemu_plugin_cb_flags flags, void* data);
 
-// What a plugin defines.
+// A plugin must define these.
 [[gnu::visibility("default")]] extern int qemu_plugin_version;
 [[gnu::visibility("default")]] int qemu_plugin_install(qemu_plugin_id_t id, const qemu_info_t* info, int argc,
                                                        char** argv);

@@ -23,7 +23,7 @@ class Cable final : public sim_board::Transport {
     }
     answers_.insert(answers_.end(), for_others.begin(), for_others.end());
     for (const hal::CanFrame& answer : device.ask(frame)) answers_.push_back(answer);
-    // Of a block it sends what its queue takes; the rest with the next call.
+    // It sends as much of a block as its queue takes; the rest with the next call.
     for (;;) {
       device.node.process(0);
       const auto more = device.sink.take();

@@ -32,6 +32,16 @@ TEST_F(ControllerBattery, IsLowAfterTwoSeconds) {
   EXPECT_EQ(emergency->data[0] | emergency->data[1] << 8, 0x3220);
 }
 
+TEST_F(ControllerBattery, IsNotLowAtItsLimit) {
+  const std::uint32_t limit_mV = bench.values().parameters.supply_low_mV;
+  supply(limit_mV);
+  bench.run_ms(2 * kTwoSeconds_ms);
+  EXPECT_EQ(bench.now().state, State::kStanding);
+  supply(limit_mV - 1);
+  bench.run_ms(2 * kTwoSeconds_ms);
+  EXPECT_EQ(bench.now().state, State::kLowBattery);
+}
+
 TEST_F(ControllerBattery, IsNotLowForOneDropUnderLoad) {
   for (int i = 0; i < 5; ++i) {
     supply(6'000);

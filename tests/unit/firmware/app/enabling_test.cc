@@ -83,6 +83,24 @@ TEST_F(ControllerEnabling, IsRefusedWhenTheImuMeasuresTwoG) {
   expect_refusal(Reason::kImuImplausible);
 }
 
+// From half to one and a half g, 4,098 and 12,296 counts.
+TEST_F(ControllerEnabling, ToleratesAnInertialUnitInMotion) {
+  for (const std::int16_t refused : {std::int16_t{4'000}, std::int16_t{12'400}}) {
+    bench.imu_sample.accelerometer_raw = {0, 0, refused};
+    bench.run_ms(300);
+    expect_refusal(Reason::kImuImplausible);
+  }
+  for (const std::int16_t accepted : {std::int16_t{4'200}, std::int16_t{12'200}}) {
+    bench.imu_sample.accelerometer_raw = {0, 0, accepted};
+    bench.run_ms(300);
+    bench.command(Command::kEnable);
+    EXPECT_EQ(bench.now().state, State::kEnabling) << accepted;
+    bench.command(Command::kLimp);
+    bench.run_ms(300);
+    EXPECT_EQ(bench.now().state, State::kLimp);
+  }
+}
+
 TEST_F(ControllerEnabling, IsRefusedWhileADriveIsNotAtRest) {
   bench.drives[5].state = DriveState::kQuickStopActive;
   // The stub would finish its quick stop at the next SYNC; this one reports it in the millisecond of the

@@ -37,9 +37,9 @@ TEST_F(ControllerFault, StopsTheDrivesFirstAndThenLowersTheLine) {
   ASSERT_TRUE(bench.run_until(State::kFault, 100));
   EXPECT_EQ(bench.drives[0].controlword, kQuickStop);  // in the cycle that detected the fault
   EXPECT_TRUE(bench.board.drive_enable.enabled());
-  bench.run_ms(280);
+  bench.run_ms(290);
   EXPECT_TRUE(bench.board.drive_enable.enabled());
-  bench.run_ms(30);
+  bench.run_ms(10);
   EXPECT_FALSE(bench.board.drive_enable.enabled());
 }
 

@@ -103,7 +103,7 @@ TEST_F(ControllerMotions, ReplaceFactoryMotions) {
   EXPECT_EQ(pc.upload(motion_object(1)), image);
 }
 
-// What a list of the motions needs, without a transfer of the images.
+// A list of the motions needs no transfer of the images.
 TEST_F(ControllerMotions, AreListedWithNameAndCrc) {
   const Image image = nod(15);
   ASSERT_EQ(pc.download_blocks(motion_object(199), image), AbortCode::kNone);

@@ -173,6 +173,28 @@ TEST_F(ControllerNetwork, GivesWayToASecondMaster) {
   EXPECT_EQ(bench.now().reason, Reason::kSecondMaster);
 }
 
+// The boot after a second master listens for it again before it resets the drives.
+TEST_F(ControllerNetwork, ListensAgainOnceItHasGivenWay) {
+  for (const bool second_master : {false, true}) {
+    SCOPED_TRACE(second_master);
+    ASSERT_TRUE(lead_to(State::kStanding));
+    if (!second_master) bench.command(Command::kEmergencyStop);
+    for (int i = 0; i < 6 && second_master; ++i) {
+      bench.board.can.deliver({.identifier = kSync, .size = 0});
+      bench.run_ms(10);
+    }
+    bench.run_ms(500);
+    bench.sent.clear();
+    bench.command(Command::kReset);
+    EXPECT_EQ(bench.now().state, State::kBoot);
+    bench.run_ms(20);
+    EXPECT_EQ(orders().empty(), second_master);
+    bench.run_ms(30);
+    EXPECT_FALSE(orders().empty());
+    ASSERT_TRUE(bench.run_until(State::kLimp));
+  }
+}
+
 // --- Object 0x1F80
 
 TEST_F(ControllerNetwork, StartupObjectDescribesASelfStartingMaster) {

@@ -172,6 +172,26 @@ TEST_F(OverlayTest, GoesOnInStandingUntilItIsStopped) {
   EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
 }
 
+// A motion or a walk that starts below an overlay takes the first layer's angles of its joints, not the
+// overlay's.
+TEST_F(OverlayTest, DoesNotLeaveItsAnglesToTheFirstLayer) {
+  for (const Command begins : {Command::kPlay, Command::kWalk}) {
+    ASSERT_EQ(play(kNod), Reason::kNone);
+    ASSERT_EQ(play(kShake), Reason::kNone);
+    ASSERT_TRUE(bench.run_until(State::kStanding, 500));
+    for (int i = 0; i < 40 && target_deg(kHeadPan) < 10; ++i) bench.run_ms(10);
+    ASSERT_GE(target_deg(kHeadPan), 10);
+    bench.command(begins, kNod);
+    ASSERT_EQ(bench.now().refusal, Reason::kNone);
+    bench.run_ms(500);
+    bench.command(Command::kStop);
+    bench.run_ms(3'000);
+    EXPECT_EQ(bench.now().state, State::kStanding);
+    EXPECT_EQ(bench.now().overlay, kNone);
+    EXPECT_NEAR(target_deg(kHeadPan), 0, 0.01);
+  }
+}
+
 TEST_F(OverlayTest, PlaysBesideTheWalkUnlessItMovesTheLegs) {
   bench.command(Command::kWalk);
   ASSERT_EQ(bench.now().state, State::kWalking);

@@ -102,6 +102,26 @@ TEST_F(RecoveryTest, RisesFromChestAndBack) {
   EXPECT_EQ(bench.values().diagnosis.risen, 2);
 }
 
+// Drives that are enabled again must hold the pose in which the robot lies.
+TEST_F(RecoveryTest, TargetsFollowLimpJoints) {
+  constexpr std::size_t kKnee = 3;
+  lie_limp_from_standing(0, 90);
+  const auto bend_to = [this](double angle_deg) {
+    bench.drives[kKnee].position =
+        robot::drive_position(bench.model().joints[kKnee].drive, test::degrees(angle_deg));
+  };
+  bend_to(60);
+  bench.run_ms(30);
+  EXPECT_EQ(bench.now().state, State::kFallen);
+  EXPECT_NEAR(fixed::to_double(bench.target(kKnee)) / test::kRadPerDegree, 60, 1e-3);
+  for (test::DriveStub& drive : bench.drives) drive.enables = false;
+  ASSERT_TRUE(bench.run_until(State::kRighting, 400));
+  bend_to(50);
+  bench.run_ms(30);
+  EXPECT_EQ(bench.now().state, State::kRighting);
+  EXPECT_NEAR(fixed::to_double(bench.target(kKnee)) / test::kRadPerDegree, 50, 1e-3);
+}
+
 // Motions of a fall and of a stand-up may soften joints; none of it is left once the robot stands.
 TEST_F(RecoveryTest, StandsWithFullTorqueAfterSoftMotions) {
   constexpr motion::Stiffness kSoft{.percent = 40, .joints = (1u << 20) - 1};

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <vector>
 
 #include "firmware/fixed/host/convert.h"
 #include "tests/support/factory_values.h"
@@ -67,6 +68,31 @@ TEST_F(FallDetectorTest, CombinesRateAndAngle) {
   EXPECT_EQ(after_standing({.roll = -12, .roll_rate = -130}), FallDirection::kLeft);
   // A large lean that is already decreasing.
   EXPECT_EQ(after_standing({.pitch = 28, .pitch_rate = -60}, 10), FallDirection::kNone);
+}
+
+// In units of the limits: half a second at 8,192 a second are 4,096, one more than the limit, or none.
+TEST_F(FallDetectorTest, PredictsToTheUnit) {
+  limits_ = {.front = 4'095, .back = 4'095, .side = 4'095, .lead_ms = 500, .min_lean = 1, .cycles = 1};
+  const auto falls = [this](std::int16_t limit) {
+    limits_.front = limits_.back = limits_.side = limit;
+    std::vector<FallDirection> seen;
+    for (const std::int32_t sign : {1, -1}) {
+      const auto lean = fixed::Angle::from_raw(sign * (1 << 16));
+      const auto rate = fixed::AngularRate::from_raw(sign * (8'190 << 8));
+      for (const bool sagittal : {true, false}) {
+        watch_ = {};
+        EXPECT_EQ(see({}), FallDirection::kNone);
+        estimation::TrunkMotion trunk{};
+        (sagittal ? trunk.pitch : trunk.roll) = lean;
+        (sagittal ? trunk.pitch_rate : trunk.roll_rate) = rate;
+        seen.push_back(watch_.update(limits_, trunk));
+      }
+    }
+    return seen;
+  };
+  using enum FallDirection;
+  EXPECT_EQ(falls(4'095), (std::vector{kFront, kRight, kBack, kLeft}));
+  EXPECT_EQ(falls(4'096), (std::vector{kNone, kNone, kNone, kNone}));
 }
 
 TEST_F(FallDetectorTest, CombinesTheAxesByAnEllipse) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware/fixed/literals.h"
+
 namespace koboshi::behaviour {
 namespace {
 

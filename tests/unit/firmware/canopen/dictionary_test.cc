@@ -106,6 +106,33 @@ TEST(DictionaryTable, IsCheckedForOrderOverlapAndBounds) {
   static_assert(is_valid_table(std::array{kPair}, 8));
 }
 
+TEST(ObjectValue, IsAnEmptyNumberAtFirst) {
+  const ObjectValue value;
+  EXPECT_EQ(value.number(), 0u);
+  EXPECT_EQ(value.size(), 0u);
+  EXPECT_FALSE(value.is_text());
+  EXPECT_TRUE(value.bytes().empty());
+}
+
+// A row that gives nothing but its address: one read-only UNSIGNED32 without limits that no PDO carries.
+TEST(DictionaryTable, HasRowsOfOneNumberUnlessTheySayOtherwise) {
+  constexpr Entry kRow{.index = 0x2000};
+  EXPECT_EQ(kRow.subindex, 0);
+  EXPECT_EQ(kRow.count, 1);
+  EXPECT_EQ(kRow.offset, 0);
+  EXPECT_EQ(kRow.stride_bytes, 0);
+  EXPECT_EQ(kRow.type, DataType::kUnsigned32);
+  EXPECT_EQ(kRow.access, Access::kReadOnly);
+  EXPECT_EQ(kRow.mappable, Mappable::kNo);
+  EXPECT_FALSE(kRow.restricts());
+  EXPECT_FALSE(kRow.kept);
+  EXPECT_EQ(kRow.low, 0u);
+  EXPECT_EQ(kRow.high, 0u);
+  EXPECT_EQ(ObjectAddress(), (ObjectAddress{0, 0}));
+  EXPECT_EQ(Location().entry, nullptr);
+  EXPECT_EQ(Location().offset, 0);
+}
+
 TEST(ObjectValue, HoldsNumbersAndTexts) {
   ObjectValue value;
   value.set_number(0x11223344, 2);

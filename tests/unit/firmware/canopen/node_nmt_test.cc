@@ -21,7 +21,7 @@ std::set<std::uint16_t> identifiers(const TestNode& device) {
   return heard;
 }
 
-// What a node with this id hears after a reset: NMT, SYNC, TIME, two RPDOs, SDO, LSS.
+// The identifiers that a node with this id receives after a reset: NMT, SYNC, TIME, two RPDOs, SDO, LSS.
 const std::set<std::uint16_t> kHeardAfterReset{0x000, 0x080, 0x100, 0x210, 0x310, 0x610, 0x7E5};
 
 TEST(NodeIdentifiers, AreThoseOfTheFramesThatItActsOn) {
@@ -247,6 +247,16 @@ TEST(NodeNmt, ReportsAnInvalidDescription) {
   TestNode sound;
   sound.node.start(0);
   EXPECT_EQ(sound.node.errors().error_register(), 0);
+}
+
+TEST(NodeNmt, ReportsAnInvalidRpdoOfItsDescription) {
+  static constexpr PdoConfiguration kImpossible[] = {{.cob_id = 0x200, .mapping = {mapping(0x6041, 0, 16)}},
+                                                     {.cob_id = 0x201, .mapping = {mapping(0x6040, 0, 16)}}};
+  NodeDescription description = kTestDescription;
+  description.rpdos = kImpossible;
+  TestNode device(0x10, description);
+  device.node.start(0);
+  EXPECT_TRUE(device.node.errors().active(error_code::kDataSet));
 }
 
 }  // namespace

@@ -73,6 +73,16 @@ TEST(NodeRpdo, TooShortIsRejectedAndReportedOnce) {
             std::vector{can_frame(0x090, {0, 0, 0, 0, 0, 0, 0, 0})});
 }
 
+// A PDO that is configured anew has received nothing wrong.
+TEST(NodeRpdo, ItsErrorEndsWithANewConfiguration) {
+  TestNode device;
+  device.make_operational();
+  device.ask(can_frame(0x210, {0x0F, 0x00, 0x01}));
+  ASSERT_TRUE(device.node.errors().active(error_code::kPdoTooShort));
+  ASSERT_EQ(device.node.write_object({0x1400, 1}, 0x8000'0210, 4), AbortCode::kNone);
+  EXPECT_FALSE(device.node.errors().active(error_code::kPdoTooShort));
+}
+
 TEST(NodeRpdo, TooLongIsProcessedAndReported) {
   TestNode device;
   device.make_operational();

@@ -150,6 +150,14 @@ TEST_F(PdoRecordTest, RefusesMoreThanEightBytesOrUnmappedEntries) {
   EXPECT_EQ(transmit_.size_bytes(), 8);
 }
 
+TEST_F(PdoRecordTest, MapsUpToEightObjects) {
+  constexpr std::uint32_t kDummyUnsigned8 = mapping(0x0005, 0, 8);
+  for (std::uint8_t i = 1; i <= 8; ++i) ASSERT_EQ(map(receive_, i, kDummyUnsigned8), AbortCode::kNone);
+  EXPECT_EQ(map(receive_, 9, kDummyUnsigned8), AbortCode::kSubindexDoesNotExist);
+  EXPECT_EQ(map(receive_, 0, 8), AbortCode::kNone);
+  EXPECT_EQ(receive_.size_bytes(), 8);
+}
+
 TEST_F(PdoRecordTest, HasTheSubindicesOfItsDirection) {
   EXPECT_EQ(receive_.write_communication(0, 2), AbortCode::kWriteOfReadOnly);
   EXPECT_EQ(receive_.write_communication(5, 100), AbortCode::kNone);

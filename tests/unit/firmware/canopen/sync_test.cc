@@ -39,6 +39,17 @@ TEST(Sync, RestartsItsCounterWhenItBecomesTheProducer) {
   EXPECT_EQ(sync.next(), can_frame(0x080, {1}));
 }
 
+TEST(Sync, BeginsANewPeriodAtOnce) {
+  for (const std::uint64_t begin_us : {std::uint64_t{0}, std::uint64_t{3'000}}) {
+    Sync sync;
+    sync.load_defaults(true, 0);
+    ASSERT_EQ(sync.write(0x1006, 10'000), AbortCode::kNone);
+    EXPECT_TRUE(sync.take_due(begin_us));
+    EXPECT_FALSE(sync.take_due(begin_us));
+    EXPECT_TRUE(sync.take_due(begin_us + 13'000));
+  }
+}
+
 TEST(NodeSync, RestartsItsCounterAfterStopped) {
   NodeDescription description = kTestDescription;
   description.sync_producer = true;
@@ -154,6 +165,14 @@ TEST(NodeSync, StartValueSelectsTheFirstSyncOfATpdo) {
     answered += device.ask(can_frame(0x080, {counter})).empty() ? '.' : 'x';
   }
   EXPECT_EQ(answered, "...x.x.");
+  // Operational again, it waits for the start value again.
+  device.node.command(NmtCommand::kEnterPreOperational, 0);
+  device.node.command(NmtCommand::kStart, 0);
+  answered.clear();
+  for (const unsigned counter : {8u, 9u, 10u, 1u, 2u, 3u, 4u}) {
+    answered += device.ask(can_frame(0x080, {counter})).empty() ? '.' : 'x';
+  }
+  EXPECT_EQ(answered, "......x");
 }
 
 TEST(NodeSync, WindowDiscardsLateData) {

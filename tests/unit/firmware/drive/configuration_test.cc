@@ -170,5 +170,17 @@ TEST_F(ConfigurationTest, StopsWhenTheDriveRefuses) {
   EXPECT_EQ(configuration.fault(), DriveFault::kRefused);
 }
 
+TEST_F(ConfigurationTest, ForgetsTheFaultOfTheLastDrive) {
+  begin(model.joints[0]);
+  drive->refuses = {0x60C2, 1};
+  run();
+  ASSERT_EQ(configuration.fault(), DriveFault::kRefused);
+  begin(model.joints[1]);
+  EXPECT_EQ(configuration.fault(), DriveFault::kNone);
+  run();
+  EXPECT_EQ(configuration.state(), State::kDone);
+  EXPECT_EQ(configuration.fault(), DriveFault::kNone);
+}
+
 }  // namespace
 }  // namespace koboshi::drive

@@ -70,6 +70,29 @@ TEST_F(DriveGroupTest, ReportsFaultsByStatusword) {
   EXPECT_EQ(group.fault().joint, 9);
 }
 
+TEST_F(DriveGroupTest, ReportsAFaultOfEachDrive) {
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    SCOPED_TRACE(i);
+    boot();
+    drives[i].state = cia402::State::kFault;
+    cycle();
+    EXPECT_EQ(group.fault().kind, DriveFault::kFault);
+    EXPECT_EQ(group.fault().joint, i);
+    drives[i].state = cia402::State::kSwitchOnDisabled;
+    enable();
+    drives[i].state = cia402::State::kSwitchOnDisabled;
+    cycle();
+    EXPECT_EQ(group.fault().kind, DriveFault::kNotEnabled);
+    EXPECT_EQ(group.fault().joint, i);
+    boot();
+    drives[i].hangs = true;
+    cycles(5);
+    EXPECT_EQ(group.fault().kind, DriveFault::kLost);
+    EXPECT_EQ(group.fault().joint, i);
+    drives[i].hangs = false;
+  }
+}
+
 TEST_F(DriveGroupTest, IgnoresTheEndOfAnErrorAndOtherNodes) {
   boot();
   group.on_emergency({.node_id = 16, .code = 0x0000});

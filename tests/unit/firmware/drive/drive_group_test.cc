@@ -50,6 +50,17 @@ TEST_F(DriveGroupTest, WaitsASecondForBootUpMessages) {
   EXPECT_EQ(group.fault().joint, 13);
 }
 
+// A boot-up message from before the reset command, for which this drive has yet to be addressed, is none of
+// its answers.
+TEST_F(DriveGroupTest, DoesNotTakeAnEarlierBootUpForThatOfItsReset) {
+  drives.back().hangs = true;
+  group.boot();
+  tell(35, HeartbeatEventKind::kBootedUp);
+  run_ms(1'002);
+  EXPECT_EQ(group.fault().kind, DriveFault::kSilent);
+  EXPECT_EQ(group.fault().joint, 19);
+}
+
 TEST_F(DriveGroupTest, BringsDrivesToOperationEnabledOneTransitionPerCycle) {
   boot();
   group.set_goal(Goal::kEnabled, now_us);

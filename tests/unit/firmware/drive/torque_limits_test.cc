@@ -136,5 +136,27 @@ TEST_F(TorqueLimitsTest, WantsFullTorqueAfterABoot) {
   EXPECT_TRUE(written().empty());
 }
 
+TEST_F(TorqueLimitsTest, GoesRoundTheJoints) {
+  boot_quietly();
+  group.set_torque_limit(10, 300);
+  run(1);
+  group.set_torque_limit(3, 300);
+  group.set_torque_limit(12, 300);
+  run(5);
+  EXPECT_EQ(written(), (std::vector<std::size_t>{10, 12, 3}));
+}
+
+// A write from before the boot, which no drive will answer, does not hold up the first one after it.
+TEST_F(TorqueLimitsTest, WritesAtOnceAfterAReset) {
+  TorqueLimits limits(model, sink);
+  limits.set(4, 300);
+  limits.process(true, now_us);
+  ASSERT_EQ(can.sent().size(), 1u);
+  limits.reset();
+  limits.set(5, 300);
+  limits.process(true, now_us + 1'000);
+  EXPECT_EQ(can.sent().size(), 2u);
+}
+
 }  // namespace
 }  // namespace koboshi::drive

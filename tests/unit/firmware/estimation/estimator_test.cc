@@ -55,6 +55,16 @@ TEST_F(EstimatorTest, IsInvalidBeforeTheFirstSample) {
   EXPECT_FALSE(state.zmp.valid);
 }
 
+TEST_F(EstimatorTest, EndsNoCalibrationThatNobodyBegan) {
+  for (int i = 0; i < 250; ++i) {
+    cycle(at_rest(), kRests);
+    ASSERT_EQ(estimator.calibration(), Estimator::Calibration::kNone) << i;
+  }
+  EXPECT_TRUE(estimator.state().gyro_known);
+  cycle(turning(1.0), kMoves);
+  EXPECT_EQ(estimator.calibration(), Estimator::Calibration::kNone);
+}
+
 TEST_F(EstimatorTest, EstimatesTheLeanOfTheTrunk) {
   const RobotState& state = run(100, at_rest(10 * kRadPerDegree), kRests);
   EXPECT_NEAR(to_double(state.pitch) / kRadPerDegree, 10.0, 0.1);

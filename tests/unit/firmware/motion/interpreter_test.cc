@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -180,6 +181,34 @@ TEST_F(InterpreterTest, JumpsUntilStopped) {
   EXPECT_NEAR(knee_deg(), kBent_deg, 1e-6) << "the step to 20 degrees is jumped over";
   interpreter_.stop();
   EXPECT_LE(time_to_end_us(), 20'000u);
+}
+
+// The work of one call is that of 14 steps without time; the start is a call.
+TEST_F(InterpreterTest, DoesExactlyTheWorkOfOneCall) {
+  for (const int sets : {13, 14, 15, 28}) {
+    MotionBuilder counts = knee_poses();
+    counts.variable_count = 1;
+    for (int i = 0; i < sets; ++i) counts.step(Assignment{.operation = Arithmetic::kAdd, .right = 1}.step());
+    start(counts.step(kWait, 0, 100'000).step(kEnd));
+    EXPECT_EQ(interpreter_.variables()[0], std::min(sets, 14));
+    advance(kTick_us);
+    EXPECT_EQ(interpreter_.variables()[0], sets);
+  }
+}
+
+TEST_F(InterpreterTest, LeavesAnAwaitAtOnceForItsExit) {
+  MotionBuilder awaits = knee_poses();
+  awaits.step(Condition{}.await(kNoStep, kMaxStepTime_us));
+  awaits.step(motion::Test{{Source::kInput, 0}, Comparison::kGreater, false, 5}.step());
+  awaits.step(kWait, 0, 10'000).step(kJump, 0).step(kMove, 1, 10'000).step(kEnd);
+  awaits.exit_step = 4;
+  start(awaits);
+  advance(50'000);
+  EXPECT_EQ(interpreter_.step_index(), 0);
+  interpreter_.stop();
+  EXPECT_LE(time_to_end_us(10'000), 30'000u);
+  EXPECT_FALSE(interpreter_.failed());
+  EXPECT_NEAR(knee_deg(), kBent_deg, 1e-3);
 }
 
 TEST_F(InterpreterTest, StaysWhereItIsWhenAborted) {

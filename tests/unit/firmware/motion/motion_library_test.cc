@@ -86,6 +86,22 @@ TEST_F(MotionLibraryTest, FindsMotionsByRoleWhereverTheyAreStored) {
   EXPECT_EQ(library_.number_of(Role::kRiseProne), std::nullopt);
 }
 
+TEST_F(MotionLibraryTest, PlaysAMotionOfAnyNumber) {
+  constexpr std::uint16_t kNumbers[] = {0, 31, 32, 33, 63, 64, 65, 127, 198, 199};
+  for (const std::uint16_t number : kNumbers) store(number, "motion");
+  library_.load();
+  for (const std::uint16_t number : kNumbers) {
+    Motion motion;
+    EXPECT_TRUE(library_.open(number, motion)) << number;
+    EXPECT_TRUE(items_.marked(ItemKind::kMotion, number)) << number;
+  }
+  erase(32);
+  Motion motion;
+  EXPECT_FALSE(library_.open(32, motion));
+  for (const std::uint16_t number : {std::uint16_t{0}, std::uint16_t{33}, std::uint16_t{64}})
+    EXPECT_TRUE(library_.open(number, motion)) << number;
+}
+
 TEST_F(MotionLibraryTest, GivesARoleToTheMotionThatCameLast) {
   store(30, name_of(Role::kRiseSeat));
   library_.load();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 
 #include "tests/unit/firmware/motion/motion_builder.h"
@@ -99,6 +100,16 @@ TEST_F(MotionTest, ReopensAnImageWithTheFindingsOfItsValidation) {
   }
 }
 
+TEST_F(MotionTest, ClaimsTheJointsOfPosesMixesAndStiffness) {
+  MotionBuilder claims = builder();
+  claims.step(Stiffness{.joints = 1u << 5 | 1u << 19}.step()).step(Stiffness{.joints = 1u << 6}.step());
+  claims.step(Mix{.source = MixSource::kPitch, .joint = 7, .gain = 100}.step()).step(kEnd);
+  const std::vector<std::byte> image = claims.image();
+  Motion motion;
+  ASSERT_TRUE(Motion::open(image, model_, motion).ok());
+  EXPECT_EQ(motion.claimed_joints(), 1u << 3 | 1u << 5 | 1u << 6 | 1u << 7 | 1u << 18 | 1u << 19);
+}
+
 TEST_F(MotionTest, IsEmptyUntilOpened) {
   EXPECT_EQ(Motion().name(), "");
   EXPECT_EQ(Motion().image_size_bytes(), 0u);
@@ -194,6 +205,29 @@ TEST_F(MotionTest, ReportsTheIndexOfABadPoseOrStep) {
   EXPECT_EQ(open(builder().step(kWait, 0, 1'000).step(kMove, 7, 1'000).step(kEnd).image()).index, 1);
 }
 
+// The index is that of the step that the author of the motion has to change.
+TEST_F(MotionTest, ReportsTheStepThatBreaksTheFlow) {
+  const auto index_of = [this](const std::vector<Step>& steps, MotionStatus expected) {
+    MotionBuilder with_steps = builder();
+    with_steps.steps = steps;
+    const MotionVerdict verdict = open(with_steps.image());
+    EXPECT_EQ(verdict.status, expected);
+    return verdict.index;
+  };
+  const Step test = motion::Test{{Source::kTime}, Comparison::kGreater, false, 5}.step();
+  EXPECT_EQ(index_of({kWaitStep, kMoveStep}, kNoEnd), 1);
+  EXPECT_EQ(index_of({kWaitStep, loop(2), kWaitStep, kEndStep}, kBadLoop), 1);
+  EXPECT_EQ(index_of({kWaitStep, loop(2), loop(2), kWaitStep, kEndStep}, kBadLoop), 2);
+  EXPECT_EQ(index_of({kWaitStep, kWaitStep, loop_end(0), kEndStep}, kBadLoop), 2);
+  EXPECT_EQ(index_of({kWaitStep, jump(9), kEndStep}, kBadJump), 1);
+  EXPECT_EQ(index_of({kWaitStep, jump(1), kEndStep}, kTakesNoTime), 1);
+  EXPECT_EQ(index_of({kWaitStep, test, kEndStep}, kBadTest), 1);
+  EXPECT_EQ(index_of({kWaitStep, Condition{}.branch(4), kWaitStep, kEndStep, kEndStep}, kBadTest), 2);
+  EXPECT_EQ(index_of({kWaitStep, {kCall, 0}, kEndStep}, kBadRoutine), 1);
+  EXPECT_EQ(index_of({kWaitStep, {kReturn}, kEndStep}, kBadRoutine), 1);
+  EXPECT_EQ(index_of({kWaitStep, {kCall, 3}, kEndStep, kWaitStep, kWaitStep}, kBadRoutine), 4);
+}
+
 TEST_F(MotionTest, RefusesBadSteps) {
   for (const int beyond : {1, 2, 100}) {
     const auto opcode = static_cast<Opcode>(static_cast<int>(kLastOpcode) + beyond);
@@ -257,6 +291,22 @@ TEST_F(MotionTest, BoundsTheDistancesOfAllJumpsInSum) {
   EXPECT_EQ(of_steps(far), kBadJump);
   for (std::uint16_t i = 0; i + 1u < far.size(); ++i) far[i] = jump(static_cast<std::uint16_t>(i + 1));
   EXPECT_EQ(of_steps(far), kOk);
+}
+
+// 64 times the steps of the longest motion, and one more.
+TEST_F(MotionTest, AcceptsTheLargestSumOfDistances) {
+  std::vector<Step> steps(kMaxSteps, kWaitStep);
+  steps[0] = jump(kMaxSteps - 1);
+  steps.back() = kEndStep;
+  std::size_t sum = kMaxSteps - 1;
+  for (std::uint16_t i = 1; sum < 64 * kMaxSteps; ++i) {
+    const std::size_t distance = std::min<std::size_t>(kMaxSteps - 1u - i, 64 * kMaxSteps - sum);
+    steps[i] = jump(static_cast<std::uint16_t>(i + distance));
+    sum += distance;
+  }
+  EXPECT_EQ(of_steps(steps), kOk);
+  steps[kMaxSteps - 2] = jump(kMaxSteps - 1);
+  EXPECT_EQ(of_steps(steps), kBadJump);
 }
 
 TEST_F(MotionTest, RejectsCyclesOfZeroDuration) {

@@ -189,7 +189,7 @@ TEST(ItemStoreDamage, ADamagedRecordIsNotLoaded) {
   }
 }
 
-// What an item contains is not taken for a record, even if it looks like one.
+// The contents of an item are not taken for a record, even if they look like one.
 TEST(ItemStoreDamage, AnItemThatContainsARecordIsNoRecord) {
   Log other(16 * 1024, kSectorSize);
   for (unsigned i = 0; i < 9; ++i) ASSERT_EQ(other.write(5, pattern(100, i)), Status::kOk);

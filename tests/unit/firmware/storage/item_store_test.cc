@@ -196,6 +196,46 @@ TEST(ItemStoreTest, AssertsItsPreconditions) {
   EXPECT_DEATH(ItemStore(large_sectors, kRobotLogSize_bytes), "sector_size");
 }
 
+TEST(ItemStoreTest, HasOneItemOfEachKindButMotions) {
+  Log log(16 * 1024, kSectorSize);
+  const Bytes one = pattern(1, 9);
+  for (const ItemKind kind : {ItemKind::kParameters, ItemKind::kNodeId}) {
+    EXPECT_TRUE(log.store->find(kind, 0).empty());
+    EXPECT_EQ(log.repeat([&] { return log.store->begin(kind, 0, one.size()); }), Status::kOk);
+    EXPECT_EQ(log.repeat([&] { return log.store->append(one); }), Status::kOk);
+    EXPECT_EQ(log.repeat([&] { return log.store->commit(); }), Status::kOk);
+    log.store->release();
+    EXPECT_TRUE(std::ranges::equal(log.store->find(kind, 0), one));
+    EXPECT_TRUE(log.store->find(kind, 1).empty());
+  }
+  EXPECT_TRUE(log.store->find(ItemKind::kMotion, kMaxMotions).empty());
+  EXPECT_TRUE(log.store->find(ItemKind::kFactoryParameters, 0).empty());
+}
+
+// A mark stays with its item until the item is written again.
+TEST(ItemStoreTest, MarksEachItemByItself) {
+  Log log(64 * 1024, kSectorSize);
+  const auto marked = [&](std::uint16_t number) { return log.store->marked(ItemKind::kMotion, number); };
+  for (const std::uint16_t number :
+       {std::uint16_t{1}, std::uint16_t{31}, std::uint16_t{32}, std::uint16_t{63}})
+    ASSERT_EQ(log.write(number, pattern(20, number)), Status::kOk);
+  log.store->mark(ItemKind::kMotion, 5);  // there is no such item
+  EXPECT_FALSE(marked(5));
+  for (const std::uint16_t number : {std::uint16_t{31}, std::uint16_t{32}, std::uint16_t{63}}) {
+    EXPECT_FALSE(marked(number));
+    log.store->mark(ItemKind::kMotion, number);
+    EXPECT_TRUE(marked(number));
+  }
+  EXPECT_FALSE(marked(1));
+  ASSERT_EQ(log.write(63, pattern(20, 3)), Status::kOk);
+  EXPECT_FALSE(marked(63));
+  EXPECT_TRUE(marked(31));
+  EXPECT_TRUE(marked(32));
+  ASSERT_EQ(log.write(31, pattern(20, 4)), Status::kOk);
+  EXPECT_FALSE(marked(31));
+  EXPECT_TRUE(marked(32));
+}
+
 TEST(ItemStoreTest, StorageWithoutRoomStoresNothing) {
   hal::FakeStorage small(4, 1024);
   ItemStore none(small, kRobotLogSize_bytes);

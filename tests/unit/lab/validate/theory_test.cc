@@ -1,4 +1,4 @@
-// What the simulations are held to, derived a second time.
+// The theory that the simulations are compared with, derived a second time.
 
 #include <gtest/gtest.h>
 

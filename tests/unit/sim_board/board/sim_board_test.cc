@@ -59,7 +59,7 @@ class SimBoardTest : public testing::Test {
   }
   void make() {
     board.emplace(robot, options, host);
-    board->bus().set_observer(&log);
+    board->electronics().bus().set_observer(&log);
   }
   void run_ms(int duration_ms) {
     for (int i = 0; i < duration_ms; ++i) board->advance();
@@ -74,11 +74,11 @@ class SimBoardTest : public testing::Test {
 
 TEST_F(SimBoardTest, SuppliesItsDrivesFromABatteryOrIndividually) {
   run_ms(5);
-  EXPECT_EQ(board->drive(0).values().supply_mV, 7500u);
+  EXPECT_EQ(board->electronics().drive(0).values().supply_mV, 7500u);
   robot.battery = {.open_circuit_V = 8.1, .internal_resistance_ohm = 0.2};
   make();
   run_ms(5);
-  EXPECT_EQ(board->drive(0).values().supply_mV, 8100u);
+  EXPECT_EQ(board->electronics().drive(0).values().supply_mV, 8100u);
 }
 
 TEST_F(SimBoardTest, RunsServicesEachMillisecondAndTicksEachTenth) {
@@ -128,7 +128,7 @@ TEST_F(SimBoardTest, DeliversTheBootUpOfDrives) {
 
 TEST_F(SimBoardTest, ReceivesFramesFromAnOperator) {
   run_ms(5);
-  ASSERT_TRUE(board->send_as_operator({.identifier = 0x201, .size = 3, .data = {1}}));
+  ASSERT_TRUE(board->electronics().send_as_operator({.identifier = 0x201, .size = 3, .data = {1}}));
   run_ms(2);
   ASSERT_EQ(host.inputs.back().frames.size, 1);
   EXPECT_EQ(host.inputs.back().frames.items[0].identifier, 0x201);
@@ -140,7 +140,7 @@ TEST_F(SimBoardTest, DeliversOneInertialSampleEachMillisecondUntilTheUnitStops) 
   for (const auto& input : host.inputs) samples += input.imu.size;
   EXPECT_NEAR(static_cast<double>(samples), 9.0, 1.0);  // one sample of delay
   EXPECT_NEAR(host.inputs.back().imu.items[0].accelerometer_raw[2], 9.80665 / 39.2 * 32768, 100);
-  board->set_imu_running(false);
+  board->electronics().set_imu_running(false);
   run_ms(2);
   host.inputs.clear();
   run_ms(10);
@@ -149,13 +149,13 @@ TEST_F(SimBoardTest, DeliversOneInertialSampleEachMillisecondUntilTheUnitStops) 
 
 TEST_F(SimBoardTest, SetsTheDriveEnableLineAsCommanded) {
   run_ms(5);
-  EXPECT_FALSE(board->drive_enable_line());
+  EXPECT_FALSE(board->electronics().drive_enable_line());
   host.line = true;
   run_ms(1);
-  EXPECT_TRUE(board->drive_enable_line());
+  EXPECT_TRUE(board->electronics().drive_enable_line());
   host.line = false;
   run_ms(1);
-  EXPECT_FALSE(board->drive_enable_line());
+  EXPECT_FALSE(board->electronics().drive_enable_line());
 }
 
 TEST_F(SimBoardTest, LatchesTheLineLowWhenTheWatchdogExpires) {
@@ -163,48 +163,48 @@ TEST_F(SimBoardTest, LatchesTheLineLowWhenTheWatchdogExpires) {
   run_ms(10);
   host.kicks = false;
   run_ms(499);
-  EXPECT_TRUE(board->drive_enable_line());
+  EXPECT_TRUE(board->electronics().drive_enable_line());
   run_ms(2);
-  EXPECT_TRUE(board->watchdog_bitten());
-  EXPECT_FALSE(board->drive_enable_line());
+  EXPECT_TRUE(board->electronics().watchdog_bitten());
+  EXPECT_FALSE(board->electronics().drive_enable_line());
   host.kicks = true;
   run_ms(10);
-  EXPECT_FALSE(board->drive_enable_line());
+  EXPECT_FALSE(board->electronics().drive_enable_line());
 }
 
 TEST_F(SimBoardTest, CountsFramesLostByAStoppedFirmware) {
-  board->set_controller_running(false);
+  board->electronics().set_controller_running(false);
   for (int i = 0; i < 10; ++i) {
-    for (int j = 0; j < 10; ++j) ASSERT_TRUE(board->send_as_operator({.identifier = 0x7FF}));
+    for (int j = 0; j < 10; ++j) ASSERT_TRUE(board->electronics().send_as_operator({.identifier = 0x7FF}));
     run_ms(1);
   }
   EXPECT_TRUE(host.inputs.empty());
-  EXPECT_GT(board->last_input().can_status.receive_overruns, 0);
-  EXPECT_EQ(board->last_input().frames.size, hal::BatchInput::kMaxFrames);
+  EXPECT_GT(board->electronics().last_input().can_status.receive_overruns, 0);
+  EXPECT_EQ(board->electronics().last_input().frames.size, hal::BatchInput::kMaxFrames);
 }
 
 TEST_F(SimBoardTest, LeavesTheControllerAloneOnTheBus) {
   host.answer = [](const hal::BatchInput& input, hal::BatchOutput& output) {
     if (input.tick) static_cast<void>(output.frames.push({.identifier = 0x080}));
   };
-  board->isolate_controller();
+  board->electronics().isolate_controller();
   run_ms(30);
   EXPECT_TRUE(log.items.empty());
   EXPECT_EQ(host.inputs.back().can_status.state, hal::CanErrorState::kErrorPassive);
 
-  board->rejoin_controller();
+  board->electronics().rejoin_controller();
   run_ms(20);
   EXPECT_FALSE(log.items.empty());
   EXPECT_EQ(host.inputs.back().can_status.state, hal::CanErrorState::kErrorActive);
 }
 
 TEST_F(SimBoardTest, KeepsADeadDriveOffTheBusAfterTheControllerRejoins) {
-  board->cut_drive_power(0);
-  board->isolate_controller();
-  board->rejoin_controller();
-  EXPECT_FALSE(board->bus().powered(board->drive(0).bus_handle()));
-  board->restart_drive(0);
-  EXPECT_TRUE(board->bus().powered(board->drive(0).bus_handle()));
+  board->electronics().cut_drive_power(0);
+  board->electronics().isolate_controller();
+  board->electronics().rejoin_controller();
+  EXPECT_FALSE(board->electronics().bus().powered(board->electronics().drive(0).bus_handle()));
+  board->electronics().restart_drive(0);
+  EXPECT_TRUE(board->electronics().bus().powered(board->electronics().drive(0).bus_handle()));
 }
 
 }  // namespace

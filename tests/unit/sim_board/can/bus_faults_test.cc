@@ -55,7 +55,7 @@ TEST_F(BusFaultsTest, DropAcknowledgedFramesInOneReceiver) {
   EXPECT_EQ(bus.usage().error_frames, 0u);
 }
 
-// What is lost in a controller's transceiver is lost before its filter.
+// A frame that a controller's transceiver loses is lost before its filter.
 TEST_F(BusFaultsTest, DoNotDependOnTheFilters) {
   faults.add({.effect = Effect::kLost, .node = to_first, .count = 2});
   bus.set_filter(to_first, {0x191});

@@ -86,7 +86,7 @@ class KeyedRobot {
     return robot_text(load_robot(file.path()));
   }
 
-  // What the table finds in it.
+  // The table's finding in it.
   std::string complaint() const {
     try {
       XmlFile file("FILE", xml(), sdf_rule());

@@ -4,7 +4,7 @@
 
 namespace koboshi::sim_board {
 
-// What a servo type must have.
+// The elements that a servo type must have.
 inline const std::string kServoNumbers = R"(      <torque_constant_Nm_per_A>1</torque_constant_Nm_per_A>
       <resistance_ohm>5</resistance_ohm>
       <supply_V>7.5</supply_V>
@@ -79,7 +79,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 // kSmallRobot with `to` in the place of `from`.
 std::string with(const std::string& from, const std::string& to);
 
-// What loading `text` complains about, with the file's name as FILE; "nothing" if it does not.
+// Returns the complaint of loading `text`, with the file's name as FILE; "nothing" if there is none.
 std::string complaint(const std::string& text);
 
 }  // namespace koboshi::sim_board

@@ -3,7 +3,7 @@
 #include "sim_board/can/bus_faults.h"
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
-// What a drive makes of the state of its own CAN controller.
+// A drive's reactions to the state of its own CAN controller.
 namespace koboshi::sim_board {
 namespace {
 

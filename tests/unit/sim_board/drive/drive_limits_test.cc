@@ -3,7 +3,7 @@
 
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
-// What a drive does not do although it is asked to: 0x607D, 0x6080, 0x60C5 and 0x2001.
+// The limits beyond which a drive does not obey: 0x607D, 0x6080, 0x60C5 and 0x2001.
 namespace koboshi::sim_board {
 namespace {
 

@@ -44,7 +44,7 @@ class ProfileDriveTest : public DriveTest {
   std::int32_t demand() const { return drive->values().position_demand; }
 };
 
-// What CiA 402-2 asks of a drive with this mode.
+// CiA 402-2 asks this of a drive with the mode.
 TEST_F(ProfileDriveTest, HasAMotionProfileTypeThatIsLinear) {
   EXPECT_EQ(abort_of({0x6086, 0}, 0, 2), 0u);
   EXPECT_EQ(abort_of({0x6086, 0}, 3, 2), 0x0609'0031u);

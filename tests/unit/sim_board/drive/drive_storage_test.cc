@@ -3,7 +3,7 @@
 
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
-// What a drive keeps without power: parameters (CiA 301, 0x1010 and 0x1011) and its node id (CiA 305).
+// A drive keeps its parameters (CiA 301, 0x1010 and 0x1011) and its node id (CiA 305) without power.
 namespace koboshi::sim_board {
 namespace {
 

@@ -178,7 +178,7 @@ TEST_F(DriveTest, IsLimpAfterReset) {
   EXPECT_FALSE(is_driven());
 }
 
-// --- What its servo feels
+// --- Measurements of its servo
 
 TEST_F(DriveTest, ShowsItsPresentSupply) {
   enable();
@@ -243,7 +243,7 @@ TEST_F(MeasuringDriveTest, ReportsItsTemperatureOnTheBus) {
   EXPECT_EQ(heard[0].data, (std::array<std::uint8_t, 8>{0x4B, 0x00, 0x20, 0x00, 250, 0, 0, 0}));
 }
 
-// --- What breaks
+// --- Faults of its hardware
 
 TEST_F(DriveTest, KeepsItsMotorTorqueWhileHungUntilTheLineFalls) {
   enable();

@@ -196,7 +196,7 @@ INSTANTIATE_TEST_SUITE_P(Steppers, FrictionOfARobot,
                          testing::ValuesIn(cases({Stepper::kWorld, Stepper::kLumped, Stepper::kMujoco})),
                          name_of_case);
 
-// Of a material with two coefficients, the force lies on an ellipse and dissipates the most.
+// The force of a material with two coefficients lies on an ellipse and dissipates the most.
 class FrictionOfGrooves : public FrictionOfABlock {
  protected:
   static constexpr double kAlong = 0.2;

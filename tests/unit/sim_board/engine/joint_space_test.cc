@@ -1,4 +1,4 @@
-#include "sim_board/engine/tree/joint_space.h"
+#include "mechanics/joint_space.h"
 
 #include <gtest/gtest.h>
 
@@ -13,6 +13,13 @@
 
 namespace koboshi::sim_board {
 namespace {
+
+using mechanics::JointSpace;
+using mechanics::spatial;
+using mechanics::spatial_force;
+using mechanics::SpatialInertia;
+using mechanics::Vector6;
+using mechanics::velocity_at;
 
 Vector6 random_vector(RandomStream& random) {
   Vector6 vector;

@@ -62,7 +62,7 @@ TEST(LiftIteration, ConvergesForEveryContactWithoutParadox) {
   for (int i = 0; i < 2000; ++i) {
     const double W_tt = std::pow(10.0, 2.0 * share(random) - 1.0);
     const double friction = 0.1 + 1.1 * share(random);
-    // Of an inertia, so |W_nt| < sqrt(W_nn W_tt), and mu W_nt < W_nn.
+    // The matrix is that of an inertia, so |W_nt| < sqrt(W_nn W_tt), and mu W_nt < W_nn.
     const double W_nt = std::min(0.98 * std::sqrt(W_tt), 0.9 / friction) * (2.0 * share(random) - 1.0);
     const double v_t = 3.0 * share(random);
     const double first = friction * v_t;

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "sim_board/description/hinge_tree.h"
 #include "sim_board/engine/make_world.h"
 #include "sim_board/engine/ode/hinge_chains.h"
 #include "sim_board/world/ground_truth.h"
-#include "sim_board/world/link_tree.h"
 #include "tests/support/sample_robots.h"
 #include "tests/unit/sim_board/engine/engines.h"
 
@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(OfHinges, Gimbal, testing::Values(2, 3), testing::Print
 
 TEST_P(Gimbal, IsOneChain) {
   const RobotDescription robot = gimbal(GetParam(), 0.01);
-  const auto chains = lumped_hinges(robot, LinkTree(robot));
+  const auto chains = lumped_hinges(robot, hinge_tree(robot));
   ASSERT_EQ(chains.size(), 1u);
   EXPECT_EQ(chains[0].joints.size(), GetParam());
 }
@@ -127,7 +127,7 @@ TEST_P(Gimbal, ReportsThePosesOfTheLinksBetween) {
   std::vector<double> positions_rad;
   for (int j = 0; j < static_cast<int>(GetParam()); ++j)
     positions_rad.push_back(world->joint(j).position_rad);
-  const auto X_WLs = LinkTree(robot).poses(robot, world->body(0).X_WL, positions_rad);
+  const auto X_WLs = hinge_tree(robot).poses(world->body(0).X_WL, positions_rad);
   for (std::size_t l = 0; l < X_WLs.size(); ++l) {
     const BodyState body = world->body(static_cast<int>(l));
     EXPECT_LT((body.X_WL.matrix() - X_WLs[l].matrix()).norm(), 1e-4) << l;
@@ -158,7 +158,7 @@ TEST_P(Gimbal, CarriesTheWeightBelowEachHinge) {
 TEST(GimbalLock, KeepsAChainOfThreeFromForming) {
   RobotDescription robot = gimbal(3, 0.01);
   robot.joints[1].upper_rad = 2.0;
-  const auto chains = lumped_hinges(robot, LinkTree(robot));
+  const auto chains = lumped_hinges(robot, hinge_tree(robot));
   ASSERT_EQ(chains.size(), 2u);
   EXPECT_EQ(chains[0].joints.size(), 2u);
 }
@@ -189,13 +189,13 @@ RobotDescription framed_humanoid() {
 TEST(Lumped, MergesHipsAnklesAndShoulders) {
   const RobotDescription robot = framed_humanoid();
   std::vector<std::size_t> sizes(4, 0);
-  for (const HingeChain& chain : lumped_hinges(robot, LinkTree(robot))) ++sizes[chain.joints.size()];
+  for (const HingeChain& chain : lumped_hinges(robot, hinge_tree(robot))) ++sizes[chain.joints.size()];
   EXPECT_EQ(sizes[3], 2u);
   EXPECT_EQ(sizes[2], 4u);
   EXPECT_EQ(sizes[1], 6u);
   // With boxes that could collide nothing can be left out.
   const RobotDescription boxed = sample_humanoid();
-  EXPECT_EQ(lumped_hinges(boxed, LinkTree(boxed)).size(), 20u);
+  EXPECT_EQ(lumped_hinges(boxed, hinge_tree(boxed)).size(), 20u);
 }
 
 // Whatever the joints do is internal, and the links between the hinges take part in it where they are.
@@ -305,7 +305,7 @@ TEST(Lumped, MovesAFreeTreeAsOdeDoes) {
   RobotDescription robot = gimbal(3, 0.2, {0.01, 0.02, -0.03});
   for (std::size_t j = 0; j < robot.joints.size(); ++j)
     robot.joints[j].p_MJ += 0.03 * static_cast<double>(j) * Vector3d(1.0, -1.0, 1.0);
-  ASSERT_EQ(lumped_hinges(robot, LinkTree(robot)).size(), 3u);
+  ASSERT_EQ(lumped_hinges(robot, hinge_tree(robot)).size(), 3u);
   WorldOptions options;
   options.ground.present = false;
   options.joint_positions_rad = {0.3, -0.4, 0.5};

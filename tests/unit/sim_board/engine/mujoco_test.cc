@@ -3,12 +3,12 @@
 
 #include <filesystem>
 
+#include "sim_board/description/hinge_tree.h"
 #include "sim_board/engine/make_world.h"
 #include "sim_board/engine/mujoco/constraint_row.h"
 #include "sim_board/engine/mujoco/library.h"
 #include "sim_board/engine/mujoco/model_text.h"
 #include "sim_board/engine/mujoco/scene.h"
-#include "sim_board/world/link_tree.h"
 #include "tests/support/sample_robots.h"
 
 namespace koboshi::sim_board {
@@ -46,7 +46,7 @@ TEST(Mujoco, HasRowsEquivalentToOde) {
     options.stepper = Stepper::kMujoco;
     options.X_WB.translation().z() = 0.00499;
     options = checked(options, robot);
-    const auto pairs = touching_pairs(robot, LinkTree(robot), options);
+    const auto pairs = touching_pairs(robot, hinge_tree(robot), options);
     const MujocoModel model = load_model(model_text(robot, pairs, options, Base::kFree));
     std::fill_n(model->body_invweight0 + 2, 2, kInverseInertia);
     const MujocoData data = make_data(*model);

@@ -38,7 +38,7 @@ AnkleSensorDescription clean_sensor() {
   return sensor;
 }
 
-// What the sensor reads once it has settled on a wrench about the joint's anchor.
+// Returns the sensor's reading once it has settled on a wrench about the joint's anchor.
 Wrench read(const AnkleSensorDescription& description, const BodyState& foot, const Wrench& joint_W) {
   AnkleSensor sensor(description, two_links(), {});
   for (std::uint64_t time_us = 0; time_us <= 10'000; time_us += 1000) sensor.step(foot, joint_W, time_us);

@@ -37,6 +37,33 @@ TEST(Backlash, LetsTheRotorRunAcrossTheGapAlone) {
   EXPECT_EQ(backlash.edge(), 1);
 }
 
+TEST(Backlash, BeginsInTheMiddleWhereverTheShaftIs) {
+  Backlash backlash(with_backlash(), 0.001);
+  const JointState shaft{.position_rad = 1.5};
+  for (int i = 0; i < 3; ++i) {
+    backlash.observe(shaft);
+    EXPECT_EQ(backlash.lead_rad(), 0.0);
+    EXPECT_FALSE(backlash.engaged());
+    ServoTorque torque{.rotor_inertia_kg_m2 = kRotor_kg_m2};
+    backlash.apply(torque);
+  }
+}
+
+TEST(Backlash, StopsARotorAtTheEdgeHoweverSlowItIs) {
+  Backlash backlash(with_backlash(), 0.001);
+  int steps = 0;
+  for (; steps < 5'000 && !backlash.engaged(); ++steps) {
+    backlash.observe({});
+    ServoTorque torque{.drive_Nm = -0.0005, .rotor_inertia_kg_m2 = kRotor_kg_m2};
+    torque.damping_Nm_s = 0.005;
+    backlash.apply(torque);
+  }
+  EXPECT_EQ(backlash.edge(), -1);
+  EXPECT_LT(std::abs(backlash.rotor_speed_rad_per_s()), 0.11);
+  EXPECT_NEAR(backlash.lead_rad(), -0.5 * kGap_rad, 1e-12);
+  EXPECT_NEAR(steps * 0.001, 0.5 * kGap_rad / 0.1 + 0.2, 0.11);
+}
+
 TEST(Backlash, HoldsTheRotorByItsOwnFriction) {
   Backlash backlash(with_backlash(), 0.001);
   for (int i = 0; i < 100; ++i) {

@@ -97,7 +97,7 @@ TEST(CurrentLimit, BoundsTheBrakingOfATurningMotor) {
   EXPECT_NEAR(servo.current_A(), -0.4, 1e-9);
 }
 
-// Of first order in the step, in which the back EMF grows but the voltage does not.
+// The error is of first order in the step, in which the back EMF grows but the voltage does not.
 TEST(CurrentLimit, AcceleratesInProportionToTorque) {
   const double expected = 1.0027 * 0.2 / (0.00116 + 1e-4) * 0.02;
   std::vector<double> errors;

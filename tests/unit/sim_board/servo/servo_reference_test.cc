@@ -20,7 +20,7 @@ namespace {
 constexpr double kLinkInertia = 1e-4;  // kg m^2
 constexpr double kUnitsPerRad = (1 << 20) / (2.0 * std::numbers::pi);
 
-// What happens to the servo, by time in milliseconds since the start.
+// The events of the servo, by time in milliseconds since the start.
 struct Experiment {
   std::function<double(int)> target_rad = [](int) { return 0.0; };
   std::function<double(int)> blow_Nm = [](int) { return 0.0; };  // on the output

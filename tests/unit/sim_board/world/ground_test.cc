@@ -103,6 +103,26 @@ TEST(HeightAbove, UsesTheHighestGround) {
   EXPECT_TRUE(std::isinf(height_above(ground, {5.0, 0.0, 0.1})));
 }
 
+// A board that stands on its edge, tilted by 70 degrees: the way up from its middle leaves it through a broad
+// side.
+TEST(HeightAbove, FindsTheFaceAboveAPointInATiltedBox) {
+  for (const bool broad_along_x : {false, true}) {
+    GroundDescription ground;
+    ground.present = false;
+    const double angle_rad = (broad_along_x ? 20.0 : 70.0) * std::numbers::pi / 180;
+    const Eigen::Vector3d size_m =
+        broad_along_x ? Eigen::Vector3d(0.4, 1.0, 0.1) : Eigen::Vector3d(0.1, 1.0, 0.4);
+    ground.boxes.push_back({.X_WG = Isometry3d(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitY())),
+                            .size_m = size_m,
+                            .surface = {}});
+    EXPECT_NEAR(height_above(ground, {0.0, 0.0, 0.0}), -0.05, 1e-12);
+    EXPECT_NEAR(height_above(ground, {0.0, 0.3, 0.01}),
+                -0.05 + 0.01 * std::cos(20.0 * std::numbers::pi / 180), 1e-12);
+    EXPECT_TRUE(std::isinf(height_above(ground, {0.0, 0.51, 0.0})));
+    EXPECT_TRUE(std::isinf(height_above(ground, {0.0, 0.0, -0.1})));
+  }
+}
+
 TEST(GroundCheck, RejectsInvalidGround) {
   GroundDescription ground;
   EXPECT_NO_THROW(check(ground));

@@ -49,6 +49,15 @@ TEST(Placement, StandsOnTheHighestBoxUnderIt) {
   EXPECT_NEAR(lift(on_edge, ground), (0.05 + 0.01) / std::sqrt(2.0) + 0.02 + 0.01 * std::sqrt(2.0), 1e-12);
 }
 
+TEST(Placement, FallsToABoxBelowAPlaneThatIsNotThere) {
+  GroundDescription ground;
+  ground.present = false;
+  EXPECT_EQ(lift(Isometry3d::Identity(), ground), 0.0);
+  ground.boxes.push_back(
+      {.X_WG = Isometry3d(Translation3d(0, 0, -1.02)), .size_m = {0.1, 1, 0.04}, .surface = {}});
+  EXPECT_NEAR(lift(Isometry3d::Identity(), ground), 0.01 - 1.0, 1e-12);
+}
+
 TEST(Placement, StandsOnTheBumpsOfAHeightField) {
   GroundDescription ground;
   HeightField field;

@@ -90,5 +90,22 @@ TEST(SurfaceContact, APairConcernsItsTwoMaterialsAlone) {
   }
 }
 
+// A file may give numbers whose spring or damper would have no inverse.
+TEST(SurfaceContact, BoundsWhatHasNoInverse) {
+  const auto with = [](double error_reduction, double constraint_force_mixing) {
+    SurfaceDescription surface = kRubber;
+    surface.error_reduction = error_reduction;
+    surface.constraint_force_mixing = constraint_force_mixing;
+    return contact_between(surface, kWood, kStep_s);
+  };
+  expect_equal(with(0.0, 2e-4), with(1e-6, 2e-4));
+  expect_equal(with(1.0, 2e-4), with(0.999, 2e-4));
+  expect_equal(with(0.3, 0.0), with(0.3, 1e-9));
+  // The bounds go no further than they must.
+  EXPECT_NE(with(0.0, 2e-4).softness.error_reduction, with(2e-6, 2e-4).softness.error_reduction);
+  EXPECT_NE(with(1.0, 2e-4).softness.error_reduction, with(0.998, 2e-4).softness.error_reduction);
+  EXPECT_NE(with(0.3, 0.0).softness.error_reduction, with(0.3, 2e-9).softness.error_reduction);
+}
+
 }  // namespace
 }  // namespace koboshi::sim_board

@@ -3,9 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
 #include <string>
+#include <string_view>
 
 #include "base/text/error.h"
+#include "simulation/assembly/controller_parameters.h"
+#include "simulation/assembly/parameter_keys.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -55,6 +59,24 @@ TEST(Parameters, CarryTheirUnitInTheKey) {
             "trunk_pitch_by_speed_deg_s_per_m");
   EXPECT_EQ(resolve("attempts_to_get_up", 3).value, 3u);  // a count has no unit
   EXPECT_THAT(refusal("com_hieght_mm", 167.5), HasSubstr("expected com_height_mm, the nearest of "));
+}
+
+// A search for a key finds it: none is composed of the names in the dictionary.
+TEST(Parameters, HaveTheKeysOfTheTableAndNoOthers) {
+  std::set<std::string_view> in_table;
+  canopen::ObjectAddress last;
+  for (const ParameterKey& row : kParameterKeys) {
+    EXPECT_TRUE(in_table.insert(row.key).second) << row.key << " twice";
+    EXPECT_LT(last, row.address) << row.key;
+    last = row.address;
+  }
+  std::set<std::string_view> used;
+  for (const Parameter& parameter : controller_parameters()) {
+    used.insert(parameter.key);
+    const std::string suffix = unit_suffix(parameter.object->text.unit.name);
+    EXPECT_EQ(parameter.key, parameter.name_without_unit + (suffix.empty() ? "" : "_" + suffix));
+  }
+  EXPECT_EQ(used, in_table);
 }
 
 TEST(Parameters, AreRejectedByTheirOldNameWithTheNewOne) {

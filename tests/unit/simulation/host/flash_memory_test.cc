@@ -90,7 +90,7 @@ TEST_F(FlashFile, RejectsAnyOtherFile) {
   EXPECT_THROW(FlashMemory(contents, folder.path), InputError);
 }
 
-// Of the right size, but nothing that a run has written.
+// The file has the right size, but no run has written it.
 TEST_F(FlashFile, RejectsOtherContentsOfItsSize) {
   std::mt19937 random(20261125);
   std::vector<std::byte> noise(FlashMemory::kSize_bytes);

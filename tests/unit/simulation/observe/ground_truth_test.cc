@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "sim_board/description/hinge_tree.h"
 #include "sim_board/description/load.h"
 
 namespace koboshi::simulation {
@@ -13,12 +14,13 @@ namespace {
 // A world whose state the test sets.
 class StagedWorld final : public sim_board::World {
  public:
-  explicit StagedWorld(const sim_board::RobotDescription& robot) : tree_(robot), robot_(robot) {
+  explicit StagedWorld(const sim_board::RobotDescription& robot)
+      : tree_(sim_board::hinge_tree(robot)), robot_(robot) {
     pose(Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 0.17)));
   }
 
   void pose(const Eigen::Isometry3d& X_WB) {
-    X_WLs_ = tree_.poses(robot_, X_WB, std::vector<double>(robot_.joints.size(), 0.0));
+    X_WLs_ = tree_.poses(X_WB, std::vector<double>(robot_.joints.size(), 0.0));
   }
   void load(int link, double force_N, const Eigen::Vector3d& p_W = Eigen::Vector3d::Zero()) {
     contacts_.push_back({.link = link, .p_W = p_W, .f_W = Eigen::Vector3d(0.0, 0.0, force_N)});
@@ -41,7 +43,7 @@ class StagedWorld final : public sim_board::World {
   void archive(sim_board::StateArchive&) override {}
 
  private:
-  sim_board::LinkTree tree_;
+  mechanics::HingeTree tree_;
   const sim_board::RobotDescription& robot_;
   std::vector<Eigen::Isometry3d> X_WLs_;
   std::vector<sim_board::Contact> contacts_;

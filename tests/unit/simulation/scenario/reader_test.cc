@@ -80,7 +80,7 @@ TEST(ScenarioReader, ReplacesNumbersOfItsMotions) {
   EXPECT_EQ(overrides[0].path, "poses.down.hip");
   EXPECT_EQ(overrides[0].value, "-50");
   EXPECT_EQ(overrides[1].path, "steps.0.time_s");
-  // What the file does not have is not added, line 5 of the scenario tells.
+  // An override adds nothing that the file does not have; the message names line 5 of the scenario.
   const auto refused = [&](const std::string& set) {
     try {
       static_cast<void>(read(tree, text + "motion_set: {" + set + "}\n"));

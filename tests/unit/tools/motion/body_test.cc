@@ -14,6 +14,7 @@
 namespace koboshi::tools {
 namespace {
 
+using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -48,15 +49,12 @@ class BodyTest : public testing::Test {
   }
 
   // Poses of the links in the frame of the right foot, which stands on the ground.
-  void place_on_foot(double time_s, LinkPlaces& places) const {
-    body_.place(angles(time_s), places);
-    const std::size_t foot = body_.foot_link(1);
-    const Matrix3d R = places.R_BL[foot].transpose();
-    const Vector3d p = places.p_BL[foot];
-    for (std::size_t l = 0; l < places.R_BL.size(); ++l) {
-      places.R_BL[l] = R * places.R_BL[l];
-      places.p_BL[l] = R * (places.p_BL[l] - p);
-    }
+  std::vector<Isometry3d> poses_on_foot(double time_s) const {
+    std::vector<Isometry3d> X_FLs;
+    body_.place(angles(time_s), X_FLs);
+    const Isometry3d X_FB = X_FLs[body_.foot_link(1)].inverse();
+    for (Isometry3d& X_FL : X_FLs) X_FL = X_FB * X_FL;
+    return X_FLs;
   }
 
   struct Momenta {
@@ -68,20 +66,19 @@ class BodyTest : public testing::Test {
   // By differences of poses: independent of the recursion.
   Momenta momenta(double time_s) const {
     constexpr double kStep_s = 1e-5;
-    LinkPlaces before, now, after;
-    place_on_foot(time_s - kStep_s, before);
-    place_on_foot(time_s, now);
-    place_on_foot(time_s + kStep_s, after);
+    const auto before = poses_on_foot(time_s - kStep_s);
+    const auto now = poses_on_foot(time_s);
+    const auto after = poses_on_foot(time_s + kStep_s);
     Momenta sum;
     for (std::size_t l = 0; l < robot_.links.size(); ++l) {
       const sim_board::LinkDescription& link = robot_.links[l];
-      const auto com = [&](const LinkPlaces& places) -> Vector3d {
-        return places.p_BL[l] + places.R_BL[l] * link.p_LCom_L;
+      const auto com = [&](const std::vector<Isometry3d>& X_FLs) -> Vector3d {
+        return X_FLs[l] * link.p_LCom_L;
       };
       const Vector3d v = (com(after) - com(before)) / (2.0 * kStep_s);
-      const Eigen::AngleAxisd turn(Matrix3d(after.R_BL[l] * before.R_BL[l].transpose()));
+      const Eigen::AngleAxisd turn(Matrix3d(after[l].linear() * before[l].linear().transpose()));
       const Vector3d w = turn.angle() * turn.axis() / (2.0 * kStep_s);
-      const Matrix3d inertia = now.R_BL[l] * link.I_LCom_L * now.R_BL[l].transpose();
+      const Matrix3d inertia = now[l].linear() * link.I_LCom_L * now[l].linear().transpose();
       sum.linear += link.mass_kg * v;
       sum.angular += com(now).cross(link.mass_kg * v) + inertia * w;
       sum.first_moment += link.mass_kg * com(now);
@@ -174,13 +171,12 @@ TEST_F(BodyTest, ZmpFollowsFromTheMomenta) {
     const double sole_z_m = -robot_.right_ankle->height_above_sole_m;
     const Vector2d zmp_m(-moment.y() + sole_z_m * force.x(), moment.x() + sole_z_m * force.y());
     const Vector2d expected_m = zmp_m / force.z();
-    LinkPlaces places;
-    body_.place(angles(time_s), places);
-    const std::size_t foot = body_.foot_link(1);
+    std::vector<Isometry3d> X_BLs;
+    body_.place(angles(time_s), X_BLs);
     const GroundAxes axes(stance.rest.up_B);
     const Vector3d zmp_B =
         stance.zmp_m.x() * axes.x_B + stance.zmp_m.y() * axes.y_B + stance.rest.height_m * stance.rest.up_B;
-    const Vector3d zmp_F = places.R_BL[foot].transpose() * (zmp_B - places.p_BL[foot]);
+    const Vector3d zmp_F = X_BLs[body_.foot_link(1)].inverse() * zmp_B;
     EXPECT_NEAR(zmp_F.x(), expected_m.x(), 1e-5) << time_s;
     EXPECT_NEAR(zmp_F.y(), expected_m.y(), 1e-5) << time_s;
   }

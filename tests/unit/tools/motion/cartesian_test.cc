@@ -44,14 +44,9 @@ class CartesianPoses : public testing::Test {
  protected:
   // Returns the parts in axes of the trunk.
   Parts parts_B(const std::vector<double>& angles_rad) const {
-    LinkPlaces places;
-    body_.place(angles_rad, places);
-    const auto link_pose = [&](int link) {
-      Isometry3d X = Isometry3d::Identity();
-      X.linear() = places.R_BL[static_cast<std::size_t>(link)];
-      X.translation() = places.p_BL[static_cast<std::size_t>(link)];
-      return X;
-    };
+    std::vector<Isometry3d> X_BLs;
+    body_.place(angles_rad, X_BLs);
+    const auto link_pose = [&](int link) { return X_BLs[static_cast<std::size_t>(link)]; };
     Parts parts;
     parts.hips = Isometry3d::Identity();
     parts.com.setZero();

@@ -127,7 +127,7 @@ std::string repaired_text(const std::string& text, const std::vector<ModelEdit>&
   return document.text();
 }
 
-// What the reader finds before it loads the robot.
+// The reader's findings before it loads the robot.
 std::vector<std::string> faults_in(const std::filesystem::path& file, const std::string& text) {
   const XmlDraft draft(file, text, sim_board::sdf_rule());
   std::vector<std::string> found;

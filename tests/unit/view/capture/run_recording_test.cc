@@ -216,12 +216,12 @@ TEST(RunRecording, TellsOfABoardWithoutController) {
   ASSERT_EQ(head.signals.size(), 3 + board.robot().joints.size());
   Listener listener;
   RunRecording recording(board, listener);
-  board.board().bus().set_observer(&recording);
+  board.board().electronics().bus().set_observer(&recording);
   while (!board.finished()) {
     board.advance();
     recording.record();
   }
-  board.board().bus().set_observer(nullptr);
+  board.board().electronics().bus().set_observer(nullptr);
   recording.close({});
   EXPECT_EQ(listener.times_us.size(), 50u);
   EXPECT_GT(listener.frames, 0u);  // the boot-up messages

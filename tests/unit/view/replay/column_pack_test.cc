@@ -55,7 +55,7 @@ TEST(ColumnPack, MissingValuesStayMissing) {
   EXPECT_TRUE(std::isnan(unpacked[4]));
 }
 
-// What changes evenly costs one byte per number or less: the prediction fits.
+// Numbers that change evenly cost one byte or less each: the prediction fits.
 TEST(ColumnPack, SmoothColumnsAreSmall) {
   std::vector<std::int64_t> times;
   for (std::int64_t i = 0; i < 1000; ++i) times.push_back(10'000 * (i + 1));

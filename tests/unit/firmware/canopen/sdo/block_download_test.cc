@@ -85,6 +85,21 @@ TEST_F(SdoBlockDownload, RequestsLostLastSegmentsAgain) {
   EXPECT_EQ(device_.bytes.bytes, data);
 }
 
+// Each segment that arrives gives the client the whole patience again.
+TEST_F(SdoBlockDownload, RequestsLostSegmentsAsOftenAsTheyAreLost) {
+  const auto data = counted_bytes(70);
+  begin(data.size());
+  for (unsigned lost = 0; lost < 3; ++lost) {
+    send_segment(data, 7 * lost, 1);
+    now_us_ += SdoServer::kBlockTimeout_us;
+    device_.node.process(now_us_);
+    EXPECT_EQ(device_.sink.take(), answer({0xA2, 1, 127, 0, 0, 0, 0, 0}));
+  }
+  for (unsigned sequence = 1; sequence <= 7; ++sequence) send_segment(data, 21, sequence);
+  EXPECT_EQ(send_end(data, crc16(0, data)), answer({0xA1, 0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(device_.bytes.bytes, data);
+}
+
 TEST_F(SdoBlockDownload, TimesOutWithASilentClient) {
   begin(70);
   device_.node.process(SdoServer::kBlockTimeout_us);

@@ -90,6 +90,28 @@ TEST_F(SdoClientTest, AbortsOnAnInvalidResponse) {
   EXPECT_EQ(sink_.take(), std::vector{can_frame(0x622, {0x80, 0x08, 0x10, 0x00, 0x01, 0x00, 0x04, 0x05})});
 }
 
+TEST_F(SdoClientTest, AbortsOnTheResponseToTheOtherDirection) {
+  ASSERT_TRUE(client_.begin_read(0x22, {0x6041, 0}, 0));
+  EXPECT_TRUE(client_.on_frame(can_frame(0x5A2, {0x60, 0x41, 0x60, 0x00, 0, 0, 0, 0})));
+  EXPECT_EQ(client_.state(), SdoState::kAborted);
+  ASSERT_TRUE(client_.begin_write(0x22, {0x6040, 0}, 6, 2, 0));
+  EXPECT_TRUE(client_.on_frame(can_frame(0x5A2, {0x4B, 0x40, 0x60, 0x00, 6, 0, 0, 0})));
+  EXPECT_EQ(client_.state(), SdoState::kAborted);
+  EXPECT_EQ(client_.abort_code(), AbortCode::kCommandSpecifierUnknown);
+}
+
+TEST_F(SdoClientTest, ReadsAsManyBytesAsTheServerIndicates) {
+  const std::uint8_t commands[] = {0x4F, 0x4B, 0x47, 0x43};
+  const std::uint32_t values[] = {0x11, 0x2211, 0x33'2211, 0x4433'2211};
+  for (std::size_t size = 1; size <= 4; ++size) {
+    ASSERT_TRUE(client_.begin_read(0x22, {0x6041, 0}, 0));
+    client_.on_frame(can_frame(0x5A2, {commands[size - 1], 0x41, 0x60, 0x00, 0x11, 0x22, 0x33, 0x44}));
+    ASSERT_EQ(client_.state(), SdoState::kDone);
+    EXPECT_EQ(client_.size(), size);
+    EXPECT_EQ(client_.value(), values[size - 1]);
+  }
+}
+
 TEST_F(SdoClientTest, RunsOneTransferAtATime) {
   ASSERT_TRUE(client_.begin_read(0x22, {0x6041, 0}, 0));
   EXPECT_FALSE(client_.begin_read(0x23, {0x6041, 0}, 0));

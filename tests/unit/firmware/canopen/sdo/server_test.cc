@@ -79,6 +79,27 @@ TEST_F(SdoServerTest, UploadsTextsInSegments) {
   EXPECT_EQ(ask({0x60, 0, 0, 0, 0, 0, 0, 0}), answer({0x05, '1', '.', '0', '.', '0', 0, 0}));
 }
 
+// The last segment is marked, also if it is full.
+TEST_F(SdoServerTest, UploadsAnyNumberOfBytesInSegments) {
+  for (std::size_t size = 1; size <= 22; ++size) {
+    SCOPED_TRACE(size);
+    device_.bytes.bytes = counted_bytes(size);
+    EXPECT_EQ(ask({0x40, 0x00, 0x21, 1, 0, 0, 0, 0}),
+              answer({0x41, 0x00, 0x21, 1, static_cast<unsigned>(size), 0, 0, 0}));
+    std::vector<std::uint8_t> read;
+    for (unsigned toggle = 0; device_.bytes.open != 0; toggle ^= 0x10) {
+      ASSERT_LT(read.size(), size);
+      const auto segment = ask({0x60 | toggle, 0, 0, 0, 0, 0, 0, 0});
+      ASSERT_EQ(segment.size(), 1u);
+      const unsigned command = segment[0].data[0];
+      EXPECT_EQ(command & 0xF0, toggle);
+      EXPECT_EQ((command & 1) != 0, device_.bytes.open == 0);
+      read.insert(read.end(), segment[0].data.begin() + 1, segment[0].data.end() - (command >> 1 & 7));
+    }
+    EXPECT_EQ(read, device_.bytes.bytes);
+  }
+}
+
 TEST_F(SdoServerTest, DownloadsInSegments) {
   EXPECT_EQ(ask({0x21, 0x40, 0x60, 0x00, 0x02, 0, 0, 0}), answer({0x60, 0x40, 0x60, 0x00, 0, 0, 0, 0}));
   EXPECT_EQ(ask({0x0C, 0x34, 0, 0, 0, 0, 0, 0}), answer({0x20, 0, 0, 0, 0, 0, 0, 0}));

@@ -14,7 +14,7 @@ namespace {
 
 const hal::CanFrame kFrame{.identifier = 0x181, .size = 3, .data = {0x01, 0x2F, 0xFF}};
 
-// What the manual's examples say (CANUSB manual, "CANUSB ASCII commands").
+// The examples of the manual (CANUSB manual, "CANUSB ASCII commands").
 TEST(SlcanProtocol, AnswersCommandsWithCarriageReturnAndUnknownOnesWithBell) {
   SlcanProtocol protocol;
   EXPECT_EQ(protocol.take("\r\rS8\rV\rF\rN\r"), "\rV1013\rF00\rNKBSH\r");

@@ -10,7 +10,7 @@
 namespace koboshi::sim_board {
 namespace {
 
-// What pack_message of python-can 4.1 makes of Message(arbitration_id=0x181, data=[1, 2, 255],
+// The bytes that pack_message of python-can 4.1 makes of Message(arbitration_id=0x181, data=[1, 2, 255],
 // is_extended_id=False, timestamp=1.5).
 constexpr std::string_view kDataOfPython =
     "8ba974696d657374616d70cb3ff8000000000000ae6172626974726174696f6e5f6964cd0181ae69735f657874"

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "mechanics/spatial.h"
+
+namespace koboshi::mechanics {
+
+// Velocities of a tree of rigid bodies after one step, in joint coordinates: implicit in the servos' damping.
+//
+// The degrees of freedom (dofs) are six of the root and the axes of the joints. Dof i moves all bodies behind
+// it by S_i for each unit of its speed u_i; joints may also impose velocities ("slips") on their children:
+//   v_b = sum of S_i u_i over the dofs i between b and the root + c_b, where c_b is the sum of the slips.
+// The impulse balance of the bodies, I_b v_b = g_b + joint impulses, with g_b the momentum before the step
+// plus the external impulses, projected onto the dofs, gives
+//   (H + damping) u = S' (g - I c) + drive.
+// H_ij = S_i' I_i S_j, where I_i is the inertia of all bodies behind the dof i, and j is between i and the
+// root (composite-rigid-body algorithm, Featherstone, table 6.2). H_ij is zero for dofs on different
+// branches; the factorisation L'L preserves these zeros (Featherstone, sec. 6.5, tables 6.3 to 6.5).
+class JointSpace {
+ public:
+  struct Joint {
+    std::size_t parent = 0;
+    std::size_t child = 0;
+    std::size_t axes = 1;
+  };
+
+  struct Body {
+    SpatialInertia inertia;
+    Vector6 momentum = Vector6::Zero();  // before the step, plus the external impulses of the step
+  };
+
+  struct Axis {
+    Vector6 motion = Vector6::Zero();  // S: velocity of the child relative to the parent at unit speed
+    double damping = 0.0;              // impulse per unit of the new speed
+    double drive = 0.0;                // impulse at speed zero
+  };
+
+  // Body 0 is the root. Each joint's parent is the root or the child of an earlier joint.
+  JointSpace(std::size_t bodies, std::span<const Joint> joints);
+
+  std::size_t bodies() const { return bodies_.size(); }
+  std::size_t dofs() const { return axes_.size(); }
+  // Dof of the joint's first axis; its other axes follow.
+  std::size_t first_dof(std::size_t joint) const { return first_dofs_[joint]; }
+
+  Body& body(std::size_t index) { return bodies_[index]; }
+  Axis& axis(std::size_t dof) { return axes_[dof]; }
+  // Velocity of the child relative to the parent that the joint imposes besides its axes.
+  Vector6& slip(std::size_t joint) { return slips_[joint]; }
+  // The root then does not move.
+  void fix_root(bool fixed) { first_free_ = fixed ? kRootDofs : 0; }
+
+  // Factorises H + damping. Must precede the functions below and follow each change of an inertia, a motion
+  // or a damping. Returns false if the matrix is not positive definite.
+  [[nodiscard]] bool factorise();
+  // Solves for the speeds under the momenta, drives and slips alone.
+  void solve();
+
+  // Rows of constraints. A row's Jacobian in joint coordinates is J; its reduced form is y = L'^-1 J', so
+  // that the inverse inertia between two rows, J_r (H + damping)^-1 J_s', is the product of their reduced
+  // forms. Adds to J an impulse on a body for each unit of the row's impulse. `J` has dofs() elements.
+  void add_to_jacobian(std::size_t body, const Vector6& impulse, std::span<double> J) const;
+  void reduce(std::span<double> J) const;
+  // Adds the response to the impulses of rows, given as the sum of their reduced forms times their impulses.
+  // Overwrites the argument.
+  void apply(std::span<double> reduced_sum);
+
+  double speed(std::size_t dof) const { return speeds_[dof]; }
+  const Vector6& velocity(std::size_t body) const { return velocities_[body]; }
+
+  // Computes the impulses through the joints for the present velocities, given those of the rows on each
+  // body.
+  void find_joint_impulses(std::span<const Vector6> row_impulses);
+  // Impulse on the joint's child; includes drive and damping.
+  const Vector6& joint_impulse(std::size_t joint) const { return flows_[joints_[joint].child]; }
+
+ private:
+  static constexpr std::size_t kRootDofs = 6;
+  static constexpr int kNone = -1;
+
+  bool is_free(int dof) const { return dof >= static_cast<int>(first_free_); }
+  double* row(std::size_t dof) { return &L_[dof * dofs()]; }
+  const double* row(std::size_t dof) const { return &L_[dof * dofs()]; }
+  void fill_matrix();
+  void solve_transposed(std::span<double> x) const;  // L' x = b in place
+  void solve_lower(std::span<double> x) const;       // L x = b in place
+  void update_velocities();
+
+  std::vector<Joint> joints_;
+  std::vector<Body> bodies_;
+  std::vector<Axis> axes_;
+  std::vector<Vector6> slips_;           // by joint
+  std::vector<std::size_t> first_dofs_;  // by joint
+  std::vector<int> last_dof_;            // by body: the last dof that moves it
+  std::vector<int> before_;              // by dof: the next dof towards the root
+  std::vector<std::size_t> moved_;       // by dof: the first body that it moves
+  std::size_t first_free_ = 0;
+  std::vector<SpatialInertia> inertias_;  // by body: of it and all bodies behind it
+  std::vector<double> L_;                 // row by row; lower triangle
+  std::vector<double> diagonal_inverse_;
+  std::vector<double> speeds_;
+  std::vector<Vector6> velocities_;  // by body
+  std::vector<Vector6> flows_;       // by body: sum over the bodies behind it
+};
+
+}  // namespace koboshi::mechanics

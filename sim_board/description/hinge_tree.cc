@@ -1,0 +1,24 @@
+#include "sim_board/description/hinge_tree.h"
+
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace koboshi::sim_board {
+
+mechanics::HingeTree hinge_tree(const RobotDescription& robot) {
+  std::vector<mechanics::Link> links;
+  for (const LinkDescription& link : robot.links)
+    links.push_back({link.mass_kg, link.p_LCom_L, link.I_LCom_L, link.X_ML});
+  std::vector<mechanics::Hinge> hinges;
+  for (const JointDescription& joint : robot.joints)
+    hinges.push_back({static_cast<std::size_t>(joint.parent), static_cast<std::size_t>(joint.child),
+                      joint.p_MJ, joint.axis_M});
+  try {
+    return mechanics::HingeTree(std::move(links), std::move(hinges));
+  } catch (const std::invalid_argument& fault) {
+    throw std::invalid_argument("robot '" + robot.name + "': " + fault.what());
+  }
+}
+
+}  // namespace koboshi::sim_board
