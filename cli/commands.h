@@ -52,6 +52,7 @@ AddCommand add_can_log_commands;  // stats, replay, export
 
 // Commands below `koboshi model`.
 AddCommand add_model_edit_commands;
+AddCommand add_model_export_command;
 AddCommand add_model_import_command;
 AddCommand add_model_map_command;
 

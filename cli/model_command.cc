@@ -84,10 +84,11 @@ Example:
 
 void add_model_command(CLI::App& program, Invocation& invocation) {
   CLI::App* model =
-      program.add_subcommand("model", "Import, check and change the model of a robot; its file's reference");
+      program.add_subcommand("model", "Import, check, change and export the model of a robot; its file's reference");
   model->require_subcommand(1);
   add_check(*model, invocation);
   add_model_edit_commands(*model, invocation);
+  add_model_export_command(*model, invocation);
   add_model_import_command(*model, invocation);
   add_model_map_command(*model, invocation);
   add_reference(*model);

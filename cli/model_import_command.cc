@@ -1,5 +1,6 @@
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -8,11 +9,15 @@
 
 #include <fmt/core.h>
 
+#include "base/file/output_file.h"
 #include "base/file/standard_streams.h"
 #include "base/text/text.h"
 #include "cli/commands.h"
+#include "sim_board/description/load.h"
 #include "simulation/scenario/paths.h"
 #include "tools/import/pipeline/import_robot.h"
+#include "tools/robot_file/map/joint_pictures.h"
+#include "view/render/gl.h"
 
 namespace koboshi::tools {
 namespace {
@@ -68,10 +73,28 @@ ImportOptions options_of(const ModelImportArguments& arguments, const Invocation
   return options;
 }
 
+// Two pictures, above the first table of import.md. A machine without OpenGL writes the page without them.
+void add_pictures(const std::filesystem::path& folder, std::string page) {
+  try {
+    const sim_board::RobotDescription robot = sim_board::load_robot(folder / "robot.sdf");
+    draw_robot(robot, RobotShapes::kVisuals, folder / "robot.png");
+    draw_robot(robot, RobotShapes::kCollisions, folder / "boxes.png");
+  } catch (const view::GlError& error) {
+    print_error("warning: import.md without pictures: {}\n", error.what());
+    return;
+  }
+  page.insert(std::min(page.find("\n## "), page.size()),
+              "\n![the robot](robot.png)\n![its collision boxes](boxes.png)\n\n"
+              "`koboshi model map " +
+                  folder.string() + " --pictures FOLDER` draws each joint turned by 20 degrees.\n");
+  write_whole_file(folder / "import.md", page);
+}
+
 void import_model(const ModelImportArguments& arguments, const Invocation& invocation) {
   check_import_folder(arguments.output);
   const ImportResult result = import_robot(options_of(arguments, invocation));
   write_import_folder(arguments.output, result.files);
+  add_pictures(arguments.output, result.files.at("import.md"));
   const ImportReport& report = result.report;
   for (const ImportRepair& repair : report.repairs)
     fmt::print("{}: {} -> {}, because {}\n", repair.key, repair.found, repair.is_kept ? "kept" : repair.taken,

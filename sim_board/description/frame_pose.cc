@@ -96,4 +96,12 @@ Eigen::Matrix3d rotated_inertia(const FrameRotation& rotation, const Eigen::Matr
   return product(product(R, inertia), R.transpose());
 }
 
+Eigen::Vector3d fixed_axis_angles(const Eigen::Matrix3d& R) {
+  // R = Rz(yaw) Ry(pitch) Rx(roll).
+  const double cosine = std::hypot(R(0, 0), R(1, 0));
+  const double pitch_rad = std::atan2(-R(2, 0), cosine);
+  if (cosine < 1e-9) return {std::atan2(R(2, 0) < 0.0 ? R(0, 1) : -R(0, 1), R(1, 1)), pitch_rad, 0.0};
+  return {std::atan2(R(2, 1), R(2, 2)), pitch_rad, std::atan2(R(1, 0), R(0, 0))};
+}
+
 }  // namespace koboshi::sim_board

@@ -45,4 +45,8 @@ FramePose operator*(const FramePose& X_BF, const FramePose& X_FG);
 // R I R^T: an inertia matrix in the axes to which `rotation` leads.
 Eigen::Matrix3d rotated_inertia(const FrameRotation& rotation, const Eigen::Matrix3d& inertia);
 
+// Returns the rotations about the fixed axes x, y and z, in this order, that make up R: the last three
+// numbers of a <pose>, in rad. The rotation about z is zero where x and z coincide.
+Eigen::Vector3d fixed_axis_angles(const Eigen::Matrix3d& R);
+
 }  // namespace koboshi::sim_board

@@ -29,6 +29,13 @@ class ModelImport(unittest.TestCase):
         self.assertEqual({path.name for path in self.robot.iterdir()} & {"robot.sdf", "import.yaml", "import.md", "meshes"},
                          {"robot.sdf", "import.yaml", "import.md", "meshes"})
 
+    def test_shows_the_robot_and_its_boxes(self):
+        page = (self.robot / "import.md").read_text()
+        for picture in ("robot.png", "boxes.png"):
+            self.assertIn(f"]({picture})", page)
+            self.assertEqual((self.robot / picture).read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertNotEqual((self.robot / "robot.png").read_bytes(), (self.robot / "boxes.png").read_bytes())
+
     def test_gives_a_robot_without_errors_that_walks(self):
         check = PROGRAM.run("model", "check", self.robot)
         self.assertNotIn("error[", check.stdout)

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <map>
 #include <sstream>
+#include <vector>
 
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "sim_board/description/edit/robot_text.h"
+#include "sim_board/description/schema/roles.h"
 
 namespace koboshi::sim_board {
 namespace {
@@ -23,6 +25,7 @@ enum class Image {
   kZero,      // angle of a drive's shaft
   kSign,      // direction of a drive's shaft
   kName,      // of a link, joint or frame
+  kRole,      // of a joint
   kNone       // each has its own
 };
 
@@ -41,6 +44,8 @@ constexpr std::array kImages = {
     ImageOf{"expressed_in", Image::kName},  ImageOf{"node_id", Image::kNone},
     ImageOf{"serial_number", Image::kNone}, ImageOf{"offset_rad", Image::kNone},
     ImageOf{"frame", Image::kName},         ImageOf{"attached_to", Image::kName},
+    ImageOf{"role", Image::kRole},          ImageOf{"mirror", Image::kNone},
+    ImageOf{"servo_id", Image::kNone},      ImageOf{"zero_ticks", Image::kNone},
 };
 
 Image image_of(const ModelField& field) {
@@ -48,19 +53,71 @@ Image image_of(const ModelField& field) {
   return found == kImages.end() ? Image::kSame : found->image;
 }
 
-// The name of the other side, equal if the name has no side.
-std::string other_name(const std::string& name) {
-  constexpr std::string_view kLeft = "left_";
-  constexpr std::string_view kRight = "right_";
-  if (name.starts_with(kLeft)) return std::string(kRight) + name.substr(kLeft.size());
-  if (name.starts_with(kRight)) return std::string(kLeft) + name.substr(kRight.size());
-  return name;
+const XmlPart* find_part(const XmlPart& parent, std::string_view tag, const std::string& name = {}) {
+  for (const XmlPart* part : parent.elements()) {
+    const std::string* const found = part->attribute("name");
+    if (part->name == tag && (name.empty() || (found != nullptr && *found == name))) return part;
+  }
+  return nullptr;
 }
 
+std::string text_of(const XmlPart& parent, std::string_view tag) {
+  const XmlPart* const part = find_part(parent, tag);
+  return part != nullptr ? std::string(trimmed_name(part->content())) : std::string();
+}
+
+// Names of joints and links by side: those of a pair of joints are mirror images by koboshi:mirror, by their
+// roles or by their names, and so are the links that they carry.
+class SideNames {
+ public:
+  explicit SideNames(const XmlDocument& document) {
+    const XmlPart* const model = find_part(document.root(), "model");
+    if (model == nullptr) return;
+    for (const XmlPart* part : model->elements()) {
+      const std::string* const name = part->attribute("name");
+      if (part->name != "joint" || name == nullptr) continue;
+      const std::string role = text_of(*part, "koboshi:role");
+      joints_.push_back(
+          {*name, role.empty() ? *name : role, text_of(*part, "koboshi:mirror"), text_of(*part, "child")});
+    }
+    for (const Joint& joint : joints_) {
+      const Joint* const other = mirror_of(joint);
+      if (other == nullptr || other == &joint) continue;
+      others_[joint.name] = other->name;
+      others_.try_emplace(joint.link, other->link);
+    }
+  }
+
+  // Returns the name of the other side, equal if the name has no side.
+  std::string other(const std::string& name) const {
+    const auto found = others_.find(name);
+    return found == others_.end() ? other_side(name) : found->second;
+  }
+
+ private:
+  struct Joint {
+    std::string name;
+    std::string role;
+    std::string stated_mirror;
+    std::string link;
+  };
+
+  const Joint* mirror_of(const Joint& joint) const {
+    const std::string wanted = joint.stated_mirror.empty() ? other_side(joint.role) : joint.stated_mirror;
+    const auto named = std::ranges::find(joints_, wanted, &Joint::name);
+    if (named != joints_.end()) return &*named;
+    const auto found = std::ranges::find(joints_, wanted, &Joint::role);
+    return found == joints_.end() ? nullptr : &*found;
+  }
+
+  std::vector<Joint> joints_;
+  std::map<std::string, std::string> others_;
+};
+
 // A key, with the names of the other side.
-std::string other_key(const ModelField& field) {
+std::string other_key(const SideNames& names, const ModelField& field) {
   std::string key;
-  for (const std::string& word : field.words) key += (key.empty() ? "" : ".") + other_name(word);
+  for (const std::string& word : field.words) key += (key.empty() ? "" : ".") + names.other(word);
   return key;
 }
 
@@ -70,6 +127,34 @@ std::optional<ModelField> field_with_key(const XmlDocument& document, const std:
     if (element.name != name) continue;
     for (ModelField& field : model_fields(document, element))
       if (field.key() == key) return std::move(field);
+  }
+  return std::nullopt;
+}
+
+// Whether two fields of an element and its mirror image have the same place there, whatever their names are.
+bool same_place(const ModelField& one, const ModelField& other) {
+  return one.part == other.part && one.attribute == other.attribute &&
+         std::ranges::equal(one.steps.begin() + 1, one.steps.end(), other.steps.begin() + 1,
+                            other.steps.end(), [](const ModelField::Step& a, const ModelField::Step& b) {
+                              return a.rule == b.rule && (a.name.empty() || a.number == b.number);
+                            });
+}
+
+// The field of the other side: that with the name of the other side, or that in the same place of an element
+// with another name. `last_word` may differ from that of the field.
+std::optional<ModelField> other_field(const XmlDocument& document, const SideNames& names,
+                                      const ModelField& field, const std::string& last_word) {
+  const std::string element = names.other(field.steps.front().name);
+  std::string key = other_key(names, field);
+  const bool is_same_element = element == field.steps.front().name;
+  if (is_same_element && key == field.key()) return std::nullopt;
+  key.replace(key.rfind('.') + 1, std::string::npos, last_word);
+  auto found = field_with_key(document, element, key);
+  if (found || is_same_element || last_word != field.last_word()) return found;
+  for (const ModelElement& candidate : model_elements(document)) {
+    if (candidate.name != element) continue;
+    for (ModelField& other : model_fields(document, candidate))
+      if (same_place(field, other)) return std::move(other);
   }
   return std::nullopt;
 }
@@ -101,26 +186,27 @@ std::array<double, 3> three_numbers(const std::string& text) {
   return values;
 }
 
-// Pairs of joints: whether positive angles of both make mirror images (1) or not (-1).
+// A pair of joints: whether positive angles of both make mirror images (1) or not (-1).
 class JointPair {
  public:
-  JointPair(const XmlDocument& document, const std::string& joint) : document_(document), joint_(joint) {}
+  JointPair(const XmlDocument& document, const SideNames& names, const std::string& joint)
+      : document_(document), joint_(joint), other_(names.other(joint)) {}
 
   int joint_sign() const {
     const auto one = three_numbers(value(joint_, "axis.xyz"));
-    const auto other = three_numbers(value(other_name(joint_), "axis.xyz"));
+    const auto other = three_numbers(value(other_, "axis.xyz"));
     return -one[0] * other[0] + one[1] * other[1] - one[2] * other[2] < 0.0 ? -1 : 1;
   }
 
   // The same for the angles of the shafts.
-  int shaft_sign() const { return drive_signs() * joint_sign(); }
+  int shaft_sign() const { return sign_product("drive") * joint_sign(); }
 
-  // Product of the directions of both drives.
-  int drive_signs() const {
+  // Product of the directions of both: of their drives ("drive"), or as their maker counts ("maker").
+  int sign_product(const std::string& of) const {
     const auto sign = [&](const std::string& joint) {
-      return value(joint, "drive.sign").starts_with('-') ? -1 : 1;
+      return value(joint, of + ".sign").starts_with('-') ? -1 : 1;
     };
-    return sign(joint_) * sign(other_name(joint_));
+    return sign(joint_) * sign(other_);
   }
 
  private:
@@ -131,13 +217,14 @@ class JointPair {
 
   const XmlDocument& document_;
   const std::string joint_;
+  const std::string other_;
 };
 
 }  // namespace
 
 bool has_other_side(const XmlDocument& document, const ModelField& field) {
-  if (image_of(field) == Image::kNone || other_key(field) == field.key()) return false;
-  return field_with_key(document, other_name(field.steps.front().name), other_key(field)).has_value();
+  if (image_of(field) == Image::kNone) return false;
+  return other_field(document, SideNames(document), field, field.last_word()).has_value();
 }
 
 MirroredValue mirrored_value(const XmlDocument& document, const ModelField& field, const std::string& value) {
@@ -147,15 +234,14 @@ MirroredValue mirrored_value(const XmlDocument& document, const ModelField& fiel
   };
   if (image_of(field) == Image::kNone)
     throw fail(field.path + " for both sides", "a value that both sides may share");
-  std::string key = other_key(field);
-  if (key == field.key()) throw fail(field.path + " for both sides", "an element named left_ or right_");
-  const JointPair pair(document, field.steps.front().name);
+  const SideNames names(document);
+  if (other_key(names, field) == field.key())
+    throw fail(field.path + " for both sides", "an element with a side, by koboshi:mirror, role or name");
+  const JointPair pair(document, names, field.steps.front().name);
   const bool turns_over = image_of(field) == Image::kLimit && pair.joint_sign() < 0;
-  if (turns_over) {
-    const bool is_lower = field.last_word() == "lower";
-    key.replace(key.rfind('.') + 1, std::string::npos, is_lower ? "upper" : "lower");
-  }
-  auto other = field_with_key(document, other_name(field.steps.front().name), key);
+  std::string last_word = field.last_word();
+  if (turns_over) last_word = last_word == "lower" ? "upper" : "lower";
+  auto other = other_field(document, names, field, last_word);
   if (!other) throw fail(field.path + " for both sides", "the other side to have it, too");
 
   const auto image = [&]() -> std::string {
@@ -173,9 +259,11 @@ MirroredValue mirrored_value(const XmlDocument& document, const ModelField& fiel
       case Image::kZero:
         return pair.shaft_sign() < 0 ? with_signs(value, "-") : value;
       case Image::kSign:
-        return pair.drive_signs() < 0 ? with_signs(value, "-") : value;
+        return pair.sign_product(field.words[field.words.size() - 2]) < 0 ? with_signs(value, "-") : value;
       case Image::kName:
-        return other_name(value);
+        return names.other(value);
+      case Image::kRole:
+        return other_side(value);
       case Image::kSame:
       case Image::kNone:
         break;

@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
@@ -25,17 +23,6 @@ constexpr double kTouching_m = 0.0004;  // the motion check and R007 count from 
 constexpr double kStep_rad = 2.0 * kRadPerDegree;
 constexpr double kShrink = 0.95;   // a step of shrinking
 constexpr double kMinShare = 0.6;  // of a side; a box that is smaller is no image of its link
-
-// Ranges that a humanoid uses when it walks, squats and gets up, degrees in the left side's signs
-// (docs/design/frames.md). Within them boxes shrink; beyond them limits end.
-const std::map<std::string, std::array<double, 2>, std::less<>>& usual_ranges() {
-  static const std::map<std::string, std::array<double, 2>, std::less<>> table{
-      {"hip_yaw", {-25, 25}},        {"hip_roll", {-15, 30}},    {"hip_pitch", {-90, 25}},
-      {"knee", {-5, 110}},           {"ankle_pitch", {-60, 45}}, {"ankle_roll", {-25, 25}},
-      {"shoulder_pitch", {-90, 60}}, {"shoulder_roll", {0, 90}}, {"elbow", {-90, 20}},
-      {"head_pan", {-60, 60}},       {"head_tilt", {-25, 40}}};
-  return table;
-}
 
 class Boxes {
  public:
@@ -218,15 +205,8 @@ std::optional<Contact> first_contact(Boxes& boxes, std::size_t joint, double end
 
 // The end of the usual range on the side of `end_rad`, in the signs of this joint.
 double usual_end_rad(const ImportedJoint& joint, double end_rad) {
-  constexpr double kOther_deg = 30.0;  // of joints without a role
-  const RoleJoint* const role = find_role(joint.name);
-  double usual_deg = kOther_deg;
-  if (role != nullptr) {
-    const std::array<double, 2>& range = usual_ranges().find(role->name)->second;
-    const bool is_mirrored = joint.name.starts_with("right_") && role->axis != 'y';
-    usual_deg = (end_rad > 0.0) != is_mirrored ? std::max(range[1], 0.0) : std::max(-range[0], 0.0);
-  }
-  return kRadPerDegree * usual_deg;
+  const std::array<double, 2> range_rad = usual_range_rad(joint.name);
+  return std::abs(range_rad[end_rad > 0.0 ? 1 : 0]);
 }
 
 // Shrinks boxes until the joint turns through its usual range.

@@ -33,4 +33,8 @@ inline constexpr std::array<RoleJoint, 2> kHeadRoles{{{"head_pan", 'z', "neck"},
 // Returns the name of the link that a joint moves: "left_thigh" for left_hip_pitch, "waist_link" for waist.
 [[nodiscard]] std::string link_name_of(const std::string& joint);
 
+// Returns the range about zero in which a humanoid uses a joint when it walks, squats and gets up, in rad,
+// for an axis along x, y or z. 30 degrees to both sides for a joint without a role of the firmware.
+[[nodiscard]] std::array<double, 2> usual_range_rad(const std::string& role);
+
 }  // namespace koboshi::tools

@@ -29,6 +29,8 @@ struct Chain {
   std::vector<std::size_t> joints{};
   Vector3d first = Vector3d::Zero();  // anchor of its first joint, in M
   Vector3d last = Vector3d::Zero();
+
+  Vector3d length() const { return last - first; }
 };
 
 std::vector<Chain> chains_of(const ImportedRobot& robot, const Eigen::Matrix3d& R_MR) {
@@ -187,13 +189,14 @@ class RoleFinder {
 }  // namespace
 
 Eigen::Matrix3d decide_axes(const ImportedRobot& robot, Interview& interview) {
-  // The two chains with the most joints are the legs of most robots, and hang down.
+  // The two chains with the most joints are the legs of most robots, and hang down from their first joint:
+  // the root may be a place on the ground.
   std::vector<Chain> chains = chains_of(robot, Eigen::Matrix3d::Identity());
   std::ranges::stable_sort(chains, [](const Chain& a, const Chain& b) {
-    return std::pair(a.joints.size(), a.last.norm()) > std::pair(b.joints.size(), b.last.norm());
+    return std::pair(a.joints.size(), a.length().norm()) > std::pair(b.joints.size(), b.length().norm());
   });
   Vector3d down = Vector3d::Zero();
-  for (std::size_t i = 0; i < std::min<std::size_t>(2, chains.size()); ++i) down += chains[i].last;
+  for (std::size_t i = 0; i < std::min<std::size_t>(2, chains.size()); ++i) down += chains[i].length();
   int index = 2;
   std::string up = "z";
   if (down.norm() > 0.0 && down.cwiseAbs().maxCoeff(&index) > 0.0)

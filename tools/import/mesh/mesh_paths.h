@@ -16,6 +16,9 @@ class MeshPaths {
 
   // Returns the file, or an empty path if there is none.
   [[nodiscard]] std::filesystem::path find(const std::string& uri) const;
+  // Returns the file below these folders with the same end of its path, as long as possible, whatever the
+  // case of its letters; empty without one. For paths of another machine: C:\\kit\\meshes\\trunk.STL.
+  [[nodiscard]] std::filesystem::path find_by_end(const std::string& uri) const;
 
  private:
   std::filesystem::path folder_;                 // of the robot's file

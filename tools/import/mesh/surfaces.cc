@@ -27,7 +27,14 @@ class SurfaceLoader {
       shape.surface = primitive_surface(shape.kind, shape.size_m);
       return true;
     }
-    const std::filesystem::path file = paths_.find(shape.uri);
+    std::filesystem::path file = paths_.find(shape.uri);
+    if (file.empty()) {
+      file = paths_.find_by_end(shape.uri);
+      if (!file.empty() && !std::exchange(warned_[shape.uri], true))
+        report_.normalised.push_back(
+            fmt::format("line {}: {} -> {}, because there is no such file, but this one", shape.line,
+                        one_line(shape.uri), file.string()));
+    }
     if (file.empty()) {
       warn_once(shape.uri, fmt::format("line {}: no file {} for link {}; name its folder with --path",
                                        shape.line, one_line(shape.uri), link));

@@ -17,6 +17,7 @@
 #include "tools/import/normalise/repair_links.h"
 #include "tools/import/normalise/symmetry.h"
 #include "tools/import/normalise/zero_pose.h"
+#include "tools/import/pipeline/import_exported.h"
 #include "tools/import/read/robot_reader.h"
 #include "tools/import/servo/decide_servos.h"
 #include "tools/import/write/import_page.h"
@@ -48,18 +49,19 @@ void ask_for_linkages(Interview& interview, ImportReport& report) {
         "a linkage moves joints together: ranges and torques here are those of separate servos");
 }
 
+}  // namespace
+
 std::filesystem::path relative_source(const ImportOptions& options) {
   std::error_code error;
   const std::filesystem::path relative = std::filesystem::relative(options.file, options.output, error);
   return error || relative.empty() ? options.file : relative;
 }
 
-}  // namespace
-
 ImportResult import_robot(const ImportOptions& options) {
   ImportResult result;
   ImportReport& report = result.report;
   Interview interview(options.decisions, options.ask, options.decisions_source);
+  if (auto exported = import_exported(options, interview, report)) return std::move(*exported);
   const ServoCatalogue catalogue(options.servo_folder);
 
   ImportedRobot source = read_foreign_robot(options.file, report);

@@ -29,6 +29,9 @@ struct ImportResult {
   std::size_t questions = 0;
 };
 
+// Returns the path of the source relative to the robot's folder, for readers of import.yaml.
+[[nodiscard]] std::filesystem::path relative_source(const ImportOptions& options);
+
 // Imports a robot without writing a file. Throws InputError.
 [[nodiscard]] ImportResult import_robot(const ImportOptions& options);
 

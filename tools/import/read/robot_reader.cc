@@ -7,6 +7,7 @@
 #include "base/text/error.h"
 #include "base/text/foreign_text.h"
 #include "base/text/text.h"
+#include "base/xml/xml_draft.h"
 #include "base/xml/xml_reader.h"
 #include "tools/import/read/mjcf_reader.h"
 #include "tools/import/read/sdf_reader.h"
@@ -34,7 +35,7 @@ ImportedRobot read_foreign_robot(const std::filesystem::path& file, ImportReport
   const std::string root = xml_root_name(file);
   ImportedRobot robot;
   if (root == "robot") {
-    if (const auto at = text.find("<xacro:"); at != std::string::npos)
+    if (const auto at = std::min(text.find("<xacro:"), text.find("\"${")); at != std::string::npos)
       refuse_xacro(file, static_cast<int>(
                              std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n')) +
                              1);
@@ -44,6 +45,8 @@ ImportedRobot read_foreign_robot(const std::filesystem::path& file, ImportReport
   } else if (root == "mujoco") {
     robot = read_mjcf(file, report);
   } else {
+    if (!text.empty())
+      static_cast<void>(XmlDraft(file, text, XmlRule{.name = root}));  // names the line of a fault
     throw InputError(file, 0, root.empty() ? "no well-formed XML" : "<" + one_line(root) + ">",
                      "<robot> of a URDF, <sdf> of an SDF model or <mujoco> of an MJCF model");
   }

@@ -33,15 +33,17 @@ XmlRule material(XmlCount count) {
 }
 
 XmlRule urdf_link_rule() {
-  return element("link", kRepeated, {name_attribute("name")},
-                 {element("inertial", kOptional, {},
-                          {origin(), element("mass", kRequired, {value_attribute("value")}),
-                           element("inertia", kRequired,
-                                   {value_attribute("ixx"), value_attribute("iyy"), value_attribute("izz"),
-                                    value_attribute("ixy", false), value_attribute("ixz", false),
-                                    value_attribute("iyz", false)})}),
-                  element("visual", kRepeated, {}, {origin(), urdf_geometry(), material(kOptional)}),
-                  element("collision", kRepeated, {}, {origin(), urdf_geometry()})});
+  return element(
+      "link", kRepeated, {name_attribute("name")},
+      {element("inertial", kOptional, {},
+               {origin(), element("mass", kRequired, {value_attribute("value")}),
+                element("inertia", kRequired,
+                        {value_attribute("ixx"), value_attribute("iyy"), value_attribute("izz"),
+                         value_attribute("ixy", false), value_attribute("ixz", false),
+                         value_attribute("iyz", false)})}),
+       element("visual", kRepeated, {value_attribute("name", false)},
+               {origin(), urdf_geometry(), material(kOptional)}),
+       element("collision", kRepeated, {value_attribute("name", false)}, {origin(), urdf_geometry()})});
 }
 
 XmlRule urdf_joint_rule() {
@@ -65,7 +67,8 @@ XmlRule transmission_rule() {
 const XmlRule& urdf_rule() {
   static const XmlRule rule =
       element("robot", kOptional, {name_attribute("name", false)},
-              {material(kRepeated), urdf_link_rule(), urdf_joint_rule(), transmission_rule()});
+              {material(kRepeated), urdf_link_rule(), urdf_joint_rule(), transmission_rule(),
+               value_element("koboshi")});  // of `koboshi model export`
   return rule;
 }
 
@@ -161,9 +164,18 @@ void read_limits(const XmlNode& node, ImportedJoint& joint) {
   const auto limit = node.find("limit");
   if (!limit) return;
   const auto find = [&limit](const char* attribute) -> std::optional<double> {
+    constexpr double kNone = 1e5;  // exporters write 1e16 and inf for no limit
     const auto text = limit->find_attribute(attribute);
-    return text ? std::optional(number_in(*limit, *text, attribute)) : std::nullopt;
+    if (!text || *text == "inf" || *text == "-inf") return std::nullopt;
+    const auto value = parse_number(*text);
+    if (value && std::abs(*value) >= kNone) return std::nullopt;
+    return number_in(*limit, *text, attribute);
   };
+  const auto is_endless = [&](const char* attribute) {
+    return limit->find_attribute(attribute) && !find(attribute);
+  };
+  if (joint.kind == JointKind::kHinge && (is_endless("lower") || is_endless("upper")))
+    joint.kind = JointKind::kContinuous;
   if (joint.kind == JointKind::kHinge) {
     joint.lower_rad = find("lower").value_or(0.0);
     joint.upper_rad = find("upper").value_or(0.0);

@@ -42,8 +42,11 @@ std::string ServoCatalogue::text(const std::string& type) const {
   for (const XmlNode& node : file.root().children("koboshi:servo_type")) {
     if (node.attribute("name") != type) continue;
     tinyxml2::XMLPrinter printer(nullptr, false, 2);
+    const tinyxml2::XMLNode* const before = node.element().PreviousSibling();
+    const tinyxml2::XMLComment* const comment = before != nullptr ? before->ToComment() : nullptr;
     node.element().Accept(&printer);
-    return printer.CStr();
+    return (comment != nullptr ? "<!--" + std::string(comment->Value()) + "-->\n" : std::string()) +
+           printer.CStr();
   }
   return {};
 }

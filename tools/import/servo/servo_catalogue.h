@@ -23,7 +23,7 @@ class ServoCatalogue {
   const Entry& find(const std::string& type, const std::filesystem::path& source) const;
   std::vector<std::string> names() const;
 
-  // Returns the XML text of a type, as its library has it.
+  // Returns the XML text of a type, as its library has it, with the comment before it: its source.
   std::string text(const std::string& type) const;
 
  private:

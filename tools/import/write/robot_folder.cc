@@ -103,8 +103,11 @@ void write_import_folder(const fs::path& folder, const FolderFiles& files) {
     if (entry.path().extension() == ".stl" && !files.contains("meshes/" + entry.path().filename().string()))
       fs::remove(entry.path(), ignored);
   // The decisions last: an import that was interrupted is not taken for a whole one by its user.
-  for (const auto& [file, text] : files)
-    if (file != kDecisions) write_whole_file(folder / file, text);
+  for (const auto& [file, text] : files) {
+    if (file == kDecisions) continue;
+    fs::create_directories((folder / file).parent_path());
+    write_whole_file(folder / file, text);
+  }
   write_whole_file(folder / kDecisions, files.at(kDecisions));
 }
 

@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 
 #include "base/text/text.h"
+#include "base/xml/xml_text.h"
 #include "firmware/robot/model.h"
+#include "sim_board/description/frame_pose.h"
 #include "tools/import/decide/role_joints.h"
 #include "tools/import/write/sensors_sdf.h"
 
@@ -15,29 +17,6 @@ namespace koboshi::tools {
 namespace {
 
 using Eigen::Vector3d;
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
 
 // Lengths in steps of 1 um, without a negative zero.
 std::string length(double value_m) {
@@ -48,18 +27,13 @@ std::string lengths(const Vector3d& p_m) {
   return length(p_m.x()) + " " + length(p_m.y()) + " " + length(p_m.z());
 }
 std::string pose(const Eigen::Isometry3d& X) {
-  const Eigen::Matrix3d R = X.linear();
-  // Rotations about fixed axes, roll first: R = Rz(yaw) Ry(pitch) Rx(roll).
-  const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
-  const bool is_locked = std::hypot(R(0, 0), R(1, 0)) < 1e-9;
-  const double yaw = is_locked ? 0.0 : std::atan2(R(1, 0), R(0, 0));
-  const double roll =
-      is_locked ? std::atan2(R(2, 0) < 0.0 ? R(0, 1) : -R(0, 1), R(1, 1)) : std::atan2(R(2, 1), R(2, 2));
+  const Vector3d angles_rad = sim_board::fixed_axis_angles(X.linear());
   const auto angle = [](double value_rad) {
     const double rounded = std::round(value_rad * 1e9) / 1e9;
     return number_text(rounded == 0.0 ? 0.0 : rounded);
   };
-  return lengths(X.translation()) + " " + angle(roll) + " " + angle(pitch) + " " + angle(yaw);
+  return lengths(X.translation()) + " " + angle(angles_rad.x()) + " " + angle(angles_rad.y()) + " " +
+         angle(angles_rad.z());
 }
 
 std::string significant(double value) { return fmt::format("{:.6g}", value); }
@@ -95,7 +69,7 @@ std::string collision_text(const ImportedShape& box, double friction) {
 std::string visual_text(const LinkMesh& mesh, std::size_t index) {
   std::string text = fmt::format(
       "      <visual name=\"shape_{}\">\n        <geometry><mesh><uri>{}</uri></mesh></geometry>\n", index,
-      escaped(mesh.file));
+      xml_escaped(mesh.file));
   if (mesh.colour)
     text += fmt::format("        <material><diffuse>{:.4g} {:.4g} {:.4g} 1</diffuse></material>\n",
                         (*mesh.colour)[0], (*mesh.colour)[1], (*mesh.colour)[2]);
@@ -119,7 +93,7 @@ class RobotWriter {
         "-->\n"
         "<sdf version=\"1.9\" xmlns:koboshi=\"https://koboshi.invalid/sdf\">\n"
         "  <model name=\"{}\">\n",
-        comment(parts_.source), escaped(parts_.name));
+        comment(parts_.source), xml_escaped(parts_.name));
     std::set<std::string> types;
     for (const ImportedJoint& joint : robot_.joints) types.insert(servo_of(joint.name));
     for (const std::string& type : types) text += indented(catalogue_.text(type), "    ");
@@ -171,13 +145,13 @@ class RobotWriter {
 
   std::string link_text(int index) const {
     const ImportedLink& link = robot_.links[static_cast<std::size_t>(index)];
-    std::string text = fmt::format("\n    <link name=\"{}\">\n", escaped(link.name));
+    std::string text = fmt::format("\n    <link name=\"{}\">\n", xml_escaped(link.name));
     if (index == root_) {
       text += fmt::format("      <pose>0 0 {} 0 0 0</pose>\n", length(base_height_m()));
     } else {
       const ImportedJoint& joint = robot_.joints[static_cast<std::size_t>(joint_of(robot_, index))];
       text += fmt::format("      <pose relative_to=\"{}\">{} 0 0 0</pose>\n",
-                          escaped(robot_.links[static_cast<std::size_t>(joint.parent)].name),
+                          xml_escaped(robot_.links[static_cast<std::size_t>(joint.parent)].name),
                           lengths(joint.X_PL.translation()));
     }
     text += inertial_text(link);
@@ -196,7 +170,7 @@ class RobotWriter {
 
   std::string joint_text(const ImportedJoint& joint) const {
     const auto name_of = [this](int link) {
-      return escaped(robot_.links[static_cast<std::size_t>(link)].name);
+      return xml_escaped(robot_.links[static_cast<std::size_t>(link)].name);
     };
     const int node_id = node_id_of(joint.name);
     std::string text = fmt::format(
@@ -209,9 +183,9 @@ class RobotWriter {
         "      <koboshi:servo type=\"{}\"/>\n"
         "      <koboshi:encoder bits=\"12\" noise_counts=\"0.1\"/>\n"
         "      <koboshi:drive node_id=\"{}\" serial_number=\"{}\" sign=\"{}\" zero_rad=\"{:.6f}\"/>\n",
-        escaped(joint.name), name_of(joint.parent), name_of(joint.child), component(joint.axis_L.x()),
+        xml_escaped(joint.name), name_of(joint.parent), name_of(joint.child), component(joint.axis_L.x()),
         component(joint.axis_L.y()), component(joint.axis_L.z()), *joint.lower_rad, *joint.upper_rad,
-        joint.speed_rad_per_s, escaped(servo_of(joint.name)), node_id, node_id, joint.drive_sign,
+        joint.speed_rad_per_s, xml_escaped(servo_of(joint.name)), node_id, node_id, joint.drive_sign,
         joint.drive_zero_rad);
     for (const char* side : {"left", "right"})
       if (joint.name == std::string(side) + "_ankle_roll") text += ankle_sensor_sdf(side, weight_N_);
@@ -238,7 +212,7 @@ class RobotWriter {
     for (const ImportedLink& link : robot_.links)
       for (const ImportedFrame& frame : link.frames)
         text += fmt::format("    <frame name=\"{}\" attached_to=\"{}\"><pose>{}</pose></frame>\n",
-                            escaped(frame.name), escaped(link.name), pose(frame.X_LF));
+                            xml_escaped(frame.name), xml_escaped(link.name), pose(frame.X_LF));
     return text.empty() ? text
                         : "\n    <!-- Links of the source that are part of another one here. -->\n" + text;
   }

@@ -46,11 +46,18 @@ class CheckedModel {
   std::vector<ModelFinding>& findings_;
 };
 
+// Boxes that overlap by less only touch, as in the motion check.
+inline constexpr double kTouchingBoxes_m = 0.0005;
+// Returns the deepest overlap of a box of one link with a box of the other.
+double overlap_m(const sim_board::LinkDescription& a, const Eigen::Isometry3d& X_MA,
+                 const sim_board::LinkDescription& b, const Eigen::Isometry3d& X_MB);
+
 // Each finds one kind of fault, by the code in docs/reference/model-check.md.
 void check_inertias(CheckedModel& model);                 // R002
 void check_sides(CheckedModel& model);                    // R003
 void check_meshes(CheckedModel& model, double height_m);  // R004, R005, R006, R010; height of the robot
 void check_overlaps(CheckedModel& model);                 // R007
+void check_ranges(CheckedModel& model);                   // R032
 void check_soles(CheckedModel& model);                    // R008
 std::optional<Squat> check_squat(CheckedModel& model);    // R009
 // R028, R029. The robot must be that of the file itself: the lines are those of its description.

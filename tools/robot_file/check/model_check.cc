@@ -70,6 +70,7 @@ void check_robot(const ModelPlaces& places, MeshStore& meshes, ModelReport& repo
   check_sides(model);
   check_meshes(model, report.height_m);
   check_overlaps(model);
+  check_ranges(model);
   check_soles(model);
   report.squat = check_squat(model);
   if (!report.is_repaired) check_firmware(model);

@@ -1,6 +1,7 @@
 #include "tools/robot_file/map/joint_pictures.h"
 
 #include <Eigen/Geometry>
+#include <utility>
 
 #include "base/text/user_units.h"
 #include "view/capture/scene.h"
@@ -22,6 +23,20 @@ std::vector<bool> moved_links(const sim_board::RobotDescription& robot, std::siz
       if (moved[static_cast<std::size_t>(one.parent)]) moved[static_cast<std::size_t>(one.child)] = true;
   }
   return moved;
+}
+
+view::Scene scene_of(const sim_board::RobotDescription& robot) {
+  return view::make_scene(robot,
+                          {.present = false, .surface = {}, .patches = {}, .boxes = {}, .height_fields = {}});
+}
+
+void draw(const view::Recording& recording, RobotShapes shapes, const std::filesystem::path& file) {
+  const view::FilmOptions options{.out = file,
+                                  .width_px = kSize_px,
+                                  .height_px = kSize_px,
+                                  .at_s = {0.0},
+                                  .collisions = shapes == RobotShapes::kCollisions};
+  view::render(recording, options, [](int, int) {});
 }
 
 view::Recording turned(const sim_board::RobotDescription& robot, const view::Scene& scene,
@@ -51,18 +66,25 @@ view::Recording turned(const sim_board::RobotDescription& robot, const view::Sce
 std::vector<std::filesystem::path> draw_joint_pictures(const sim_board::RobotDescription& robot,
                                                        const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
-  const view::Scene scene = view::make_scene(
-      robot, {.present = false, .surface = {}, .patches = {}, .boxes = {}, .height_fields = {}});
+  const view::Scene scene = scene_of(robot);
   std::vector<std::filesystem::path> files;
   for (std::size_t joint = 0; joint < robot.joints.size(); ++joint) {
-    view::FilmOptions options{.out = folder / (robot.joints[joint].name + ".png"),
-                              .width_px = kSize_px,
-                              .height_px = kSize_px,
-                              .at_s = {0.0}};
-    view::render(turned(robot, scene, joint), options, [](int, int) {});
-    files.push_back(options.out);
+    files.push_back(folder / (robot.joints[joint].name + ".png"));
+    draw(turned(robot, scene, joint), RobotShapes::kVisuals, files.back());
   }
   return files;
+}
+
+void draw_robot(const sim_board::RobotDescription& robot, RobotShapes shapes,
+                const std::filesystem::path& file) {
+  view::Recording recording{.title = robot.name};
+  recording.scene = scene_of(robot);
+  view::Sample sample;
+  for (const sim_board::LinkDescription& link : robot.links)
+    sample.links.push_back({.p_WL_m = link.X_ML.translation().cast<float>(),
+                            .q_WL = Eigen::Quaterniond(link.X_ML.linear()).cast<float>()});
+  recording.samples.push_back(std::move(sample));
+  draw(recording, shapes, file);
 }
 
 }  // namespace koboshi::tools

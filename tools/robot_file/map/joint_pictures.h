@@ -13,4 +13,10 @@ namespace koboshi::tools {
 std::vector<std::filesystem::path> draw_joint_pictures(const sim_board::RobotDescription& robot,
                                                        const std::filesystem::path& folder);
 
+// Draws the robot at joint angles zero into a PNG file: what is seen of it, or its collision boxes. Throws
+// WriteError and view::GlError.
+enum class RobotShapes { kVisuals, kCollisions };
+void draw_robot(const sim_board::RobotDescription& robot, RobotShapes shapes,
+                const std::filesystem::path& file);
+
 }  // namespace koboshi::tools

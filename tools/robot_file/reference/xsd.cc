@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "base/xml/xml_text.h"
 #include "sim_board/description/schema/sdf_schema.h"
 #include "tools/robot_file/reference/reference.h"
 #include "tools/robot_file/reference/xsd_types.h"

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/text/text.h"
+#include "base/xml/xml_text.h"
 
 namespace koboshi::tools {
 namespace {
@@ -78,29 +79,6 @@ std::string XsdTypes::definitions() const {
   for (const auto& [name, definition] : definitions_)
     text += fmt::format("  <xs:simpleType name=\"{}\">\n    {}\n  </xs:simpleType>\n", name, definition);
   return text;
-}
-
-std::string xml_escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
 }
 
 }  // namespace koboshi::tools

@@ -26,7 +26,4 @@ class XsdTypes {
   std::map<std::string, std::string> definitions_;  // by name
 };
 
-// Replaces the characters that XML reserves.
-std::string xml_escaped(const std::string& text);
-
 }  // namespace koboshi::tools

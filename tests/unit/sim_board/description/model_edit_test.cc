@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -239,6 +240,37 @@ TEST_F(ModelEditTest, SetsBothSides) {
     EXPECT_THROW(set(path, "1", Sides::kBoth), InputError) << path;
     EXPECT_FALSE(has_other_side(document_, find_field(document_, path))) << path;
   }
+}
+
+// The sides of a robot with names of its own, such as l_kny, are those of its roles; a mesh has the place
+// that it has in its link.
+TEST_F(ModelEditTest, FindsTheOtherSideByRole) {
+  std::string text = first_;
+  for (const auto& [name, own] : {std::pair{"left_shank", "shin_a"},
+                                  {"right_shank", "shin_b"},
+                                  {"left_knee", "kny_a"},
+                                  {"right_knee", "kny_b"}}) {
+    const std::string word = name;
+    for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; at += std::strlen(own)) {
+      const char after = text[at + word.size()];
+      if (after == '"' || after == '<') text.replace(at, word.size(), own);
+    }
+  }
+  document_ = XmlDocument(document_.source(), text);
+  set("kny_a.role", "left_knee");
+  set("kny_b.role", "right_knee");
+  set("kny_a.upper", "140 deg", Sides::kBoth);
+  EXPECT_EQ(value("kny_b.upper"), "2.443461");
+  set("shin_b.com", "0.001 0.002 -0.03", Sides::kBoth);
+  EXPECT_EQ(value("shin_a.com"), "0.001 -0.002 -0.03");
+  set("kny_a.role", "left_wrist_pitch", Sides::kBoth);
+  EXPECT_EQ(value("kny_b.role"), "right_wrist_pitch");
+  // A stated mirror is enough.
+  document_ = XmlDocument(document_.source(), text);
+  apply_settings(document_, {{"kny_a.mirror", "kny_b"}, {"kny_b.mirror", "kny_a"}}, Sides::kOne);
+  set("shin_a.mass", "0.06", Sides::kBoth);
+  EXPECT_EQ(value("shin_b.mass"), "0.06");
+  EXPECT_THROW(set("kny_a.mirror", "kny_b", Sides::kBoth), InputError);
 }
 
 bool same_numbers(const std::string& a, const std::string& b, double step) {

@@ -73,6 +73,15 @@ TEST_F(ImportRobot, NamesJointsByTreeAndSide) {
   EXPECT_NEAR(robot.left_ankle->height_above_sole_m, 0.04, 1e-9);
 }
 
+// base_footprint: the root on the ground, with the legs above it.
+TEST_F(ImportRobot, FindsTheGroundWhereTheRootIsOnIt) {
+  KitRobot kit;
+  kit.extra =
+      "<link name=\"base_footprint\"/>" + KitRobot::fixed("ground", "base_footprint", "base", "0 0 0.3");
+  const sim_board::RobotDescription robot = load(import(kit));
+  EXPECT_NEAR(joint(robot, "left_knee").p_MJ.z(), 0.12, 1e-6);
+}
+
 TEST_F(ImportRobot, RepeatsItselfFromItsDecisions) {
   const ImportResult first = import({.arms_out_rad = 1.0, .inertia_factor = 1000.0});
   const ImportDecisions decisions = read_decisions(write("import.yaml", first.files.at("import.yaml")));

@@ -61,6 +61,21 @@ TEST_F(MeshFiles, AreFoundInPackages) {
   EXPECT_TRUE(MeshPaths("/nowhere/robot.urdf", {}).find("model://package/meshes/a.stl").empty());
 }
 
+// Paths of another machine, of Windows, or with capitals of another file system.
+TEST_F(MeshFiles, AreFoundByTheEndOfTheirPaths) {
+  write("package/meshes/Leg.STL", "x");
+  write("package/robot.urdf", "x");
+  const MeshPaths paths(folder_ / "package/robot.urdf", {});
+  for (const char* uri :
+       {"meshes\\Leg.STL", "C:\\Users\\bob\\kit\\meshes\\Leg.STL", "/home/bob/kit/meshes/Leg.STL",
+        "file:///home/bob/kit/meshes/Leg.STL", "package://kit/meshes/leg.stl"}) {
+    EXPECT_TRUE(paths.find(uri).empty()) << uri;
+    EXPECT_EQ(paths.find_by_end(uri), folder_ / "package/meshes/Leg.STL") << uri;
+  }
+  EXPECT_TRUE(paths.find_by_end("meshes/arm.stl").empty());
+  EXPECT_TRUE(paths.find_by_end("").empty());
+}
+
 TEST_F(MeshFiles, StlIsReadBack) {
   const view::Mesh box = *primitive_surface(ShapeKind::kBox, {0.1, 0.2, 0.3});
   const MeshFile read = read_mesh_file(write("box.STL", stl_bytes(box)));

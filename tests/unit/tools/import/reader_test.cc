@@ -64,6 +64,21 @@ TEST(UrdfReader, NamesTheLineOfAFault) {
             "robot.urdf:2: found link b, no joint's child, expected only a to be that");
 }
 
+// Exporters write huge numbers or inf where a joint has no limit.
+TEST(UrdfReader, ReadsLimitsThatAreNone) {
+  for (const char* none : {"1e16", "inf"}) {
+    ImportReport report;
+    const std::string text =
+        "<robot><link name='a'/><link name='b'/><joint name='j' type='revolute'>"
+        "<parent link='a'/><child link='b'/><limit lower='-1' upper='" +
+        std::string(none) + "' velocity='" + none + "' effort='2'/></joint></robot>";
+    const ImportedRobot robot = read(text, report);
+    EXPECT_EQ(robot.joints.front().kind, JointKind::kContinuous);
+    EXPECT_EQ(robot.joints.front().speed_rad_per_s, 0.0);
+    EXPECT_EQ(robot.joints.front().effort_Nm, 2.0);
+  }
+}
+
 TEST(UrdfReader, NamesClosedLoops) {
   const std::string links = "<robot><link name='a'/><link name='b'/><link name='c'/>\n";
   const auto joint = [](const std::string& name, const std::string& parent, const std::string& child) {
@@ -157,6 +172,22 @@ TEST(MjcfReader, IsNotInThisBuild) {
   EXPECT_THROW(static_cast<void>(read_mjcf("m.xml", report)), InputError);
 }
 #endif
+
+TEST(RobotReader, NamesTheLineOfMalformedXmlAndOfXacroValues) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path / "kit.urdf";
+  ImportReport report;
+  for (const char* text : {"<robot name='kit'>\n\n<link name='a'></robot>\n",
+                           "<robot name='kit'>\n\n<link name=\"${side}_leg\"/></robot>\n"}) {
+    test::write_file(file, text);
+    try {
+      static_cast<void>(read_foreign_robot(file, report));
+      ADD_FAILURE();
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.line(), 3) << error.what();
+    }
+  }
+}
 
 TEST(RobotReader, SaysHowToExpandXacro) {
   ImportReport report;

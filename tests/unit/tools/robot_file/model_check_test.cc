@@ -147,6 +147,22 @@ TEST_F(ModelCheckTest, FindsLinksThatOverlapAtRest) {
       std::ranges::any_of(report.findings, [](const ModelFinding& one) { return one.code == "R007"; }));
 }
 
+// A trunk box that reaches down to the thighs touches none at joint angles zero, and none while one joint
+// alone turns by a few degrees, but holds the hips of a robot that walks.
+TEST_F(ModelCheckTest, FindsBoxesThatTouchWhileJointsTurn) {
+  plant("<link name=\"trunk\">", "<pose>0 0 0.083 0 0 0</pose>\n        <geometry>",
+        "<pose>0 0 0.068 0 0 0</pose>\n        <geometry>");
+  plant("<link name=\"trunk\">", "<size>0.06 0.08 0.106</size>", "<size>0.06 0.08 0.136</size>");
+  const ModelReport report = check();
+  EXPECT_FALSE(has(report, "R007"));
+  const auto found = std::ranges::find(report.findings, std::string("R032"), &ModelFinding::code);
+  ASSERT_NE(found, report.findings.end());
+  EXPECT_EQ(found->severity, simulation::Severity::kWarning);
+  EXPECT_EQ(found->element, "left_thigh");
+  EXPECT_NE(found->found.find("trunk and left_thigh overlapping by "), std::string::npos) << found->found;
+  EXPECT_NE(found->found.find("left_hip_pitch at -"), std::string::npos) << found->found;
+}
+
 TEST_F(ModelCheckTest, FindsServosThatAreTooWeak) {
   plant("<koboshi:servo_type name=\"krs_2552\">", "<torque_constant_Nm_per_A>1.0027",
         "<torque_constant_Nm_per_A>0.1");

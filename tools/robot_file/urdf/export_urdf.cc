@@ -1,0 +1,104 @@
+#include "tools/robot_file/urdf/export_urdf.h"
+
+#include <set>
+#include <system_error>
+
+#include <tinyxml2.h>
+
+#include "base/edit/xml_document.h"
+#include "base/file/output_file.h"
+#include "base/text/error.h"
+#include "base/text/foreign_text.h"
+#include "base/text/text.h"
+#include "base/xml/xml_reader.h"
+#include "sim_board/description/load.h"
+#include "sim_board/description/schema/sdf_schema.h"
+#include "tools/import/write/robot_folder.h"
+#include "tools/robot_file/urdf/urdf_text.h"
+
+namespace koboshi::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> library_types(const fs::path& library) {
+  std::vector<std::string> types;
+  const XmlFile file(library, sim_board::servo_library_rule());
+  for (const XmlNode& node : file.root().children("koboshi:servo_type")) {
+    tinyxml2::XMLPrinter printer(nullptr, true);
+    node.element().Accept(&printer);
+    types.emplace_back(printer.CStr());
+  }
+  return types;
+}
+
+// The text of a robot's file with the servo types of its libraries in it: it must load in any folder.
+std::string with_servo_types(const fs::path& file) {
+  XmlDocument document(file);
+  const XmlFile robot(file, document.text(), sim_board::sdf_rule());
+  const std::vector<XmlNode> libraries = robot.root().child("model").children("koboshi:servo_types");
+  // From the last one on, so that the places of the others hold.
+  for (auto library = libraries.rbegin(); library != libraries.rend(); ++library) {
+    const XmlPath place = library->place();
+    const XmlPath model(place.begin(), place.end() - 1);
+    document.erase_element(place);
+    std::size_t next = place.back();
+    for (const std::string& type : library_types(file.parent_path() / library->attribute("file")))
+      document.insert_element(model, next++, type);
+  }
+  return with_line_feeds(document.text());
+}
+
+void copy_mesh(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  if (fs::equivalent(from, to, error)) return;
+  fs::create_directories(to.parent_path());
+  write_whole_file(to, read_text_file(from, "a mesh"));
+}
+
+}  // namespace
+
+fs::path path_in_folder(const fs::path& file, const fs::path& folder) {
+  const fs::path path = file.lexically_normal().lexically_relative((folder / ".").lexically_normal());
+  return path.empty() || *path.begin() == ".." ? fs::path() : path;
+}
+
+std::vector<fs::path> export_urdf(const fs::path& robot_file, const fs::path& urdf,
+                                  const std::string& package) {
+  const sim_board::RobotDescription robot = sim_board::load_robot(robot_file);
+  const fs::path folder = robot_file.parent_path();
+  std::set<fs::path> meshes;
+  for (const sim_board::LinkDescription& link : robot.links)
+    for (const sim_board::MeshDescription& mesh : link.meshes) {
+      const fs::path path = path_in_folder(mesh.file, folder);
+      if (path.empty())
+        throw InputError(robot_file, link.line,
+                         "the mesh " + one_line(mesh.file.string()) + " of " + link.name,
+                         "a file in the robot's folder or below it");
+      meshes.insert(path);
+    }
+  const std::string prefix = package.empty() ? "" : "package://" + package + "/";
+  const std::string text = urdf_text(robot, prefix, with_servo_types(robot_file));
+  if (!urdf.parent_path().empty()) fs::create_directories(urdf.parent_path());
+  std::vector<fs::path> written{urdf};
+  for (const fs::path& mesh : meshes) {
+    copy_mesh(folder / mesh, urdf.parent_path() / mesh);
+    written.push_back(urdf.parent_path() / mesh);
+  }
+  // In the robot's own folder they are already.
+  std::error_code error;
+  if (!fs::equivalent(folder.empty() ? "." : folder, urdf.parent_path().empty() ? "." : urdf.parent_path(),
+                      error)) {
+    FolderFiles licences;
+    ImportReport ignored;
+    add_licences(robot_file, licences, ignored);
+    for (const auto& [name, licence] : licences) {
+      write_whole_file(urdf.parent_path() / name, licence);
+      written.push_back(urdf.parent_path() / name);
+    }
+  }
+  write_whole_file(urdf, text);
+  return written;
+}
+
+}  // namespace koboshi::tools
