@@ -80,7 +80,7 @@ std::vector<double> WalkingPose::solve_legs(const GaitInstant& instant, const Is
     if (!leg.reached)
       throw InputError(gait_.file, 0, "a walk whose legs do not reach",
                        "a lower com_height_m, or smaller steps", "the reach of the legs");
-    for (std::size_t i = 0; i < robot::kLegJoints; ++i) {
+    for (const robot::LegJoint i : legs_[side].chain()) {
       angles_rad[legs_[side].joints[i]] = fixed::to_double(leg.angles[i]);
     }
   }
@@ -100,8 +100,9 @@ void WalkingPose::compensate_sag(const GaitInstant& instant, const Isometry3d& X
     const Vector3d sole_W = instant.X_WSole[side].translation();
     const Vector3d p_W = instant.load_share[side] >= 1.0 ? zmp_W : sole_W;
     Vector3d moment_W = p_W.cross(force_W);  // about the world's origin
-    for (std::size_t i = robot::kLegJoints; i-- > 0;) {
-      const std::size_t joint_index = legs_[side].joints[i];
+    const auto chain = legs_[side].chain();
+    for (auto i = chain.rbegin(); i != chain.rend(); ++i) {
+      const std::size_t joint_index = legs_[side].joints[*i];
       const sim_board::JointDescription& joint = robot_.joints[joint_index];
       const auto child = static_cast<std::size_t>(joint.child);
       const sim_board::LinkDescription& link = robot_.links[child];

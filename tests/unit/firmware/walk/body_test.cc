@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "firmware/walk/radians.h"
+#include "firmware/fixed/radians.h"
 #include "tests/unit/firmware/walk/posed.h"
 
 namespace koboshi::walk {
@@ -169,7 +169,8 @@ TEST_F(BodyTest, StaysWithinJointLimitsForTargetsOutOfReach) {
 // Compliance compensation: the target minus the desired angle of each joint, in rad.
 class CompliantBody : public BodyTest {
  protected:
-  static constexpr Compliance kSoft{.pitch = from_rad(fixed::kOne / 2), .roll = from_rad(fixed::kOne / 4)};
+  static constexpr Compliance kSoft{.pitch = fixed::from_rad(fixed::kOne / 2),
+                                    .roll = fixed::from_rad(fixed::kOne / 4)};
 
   // Returns a stance on `side` at the origin with the other foot in the air.
   static Stance on_one_foot(Side side) {
