@@ -81,6 +81,10 @@ Walker::Walker(const robot::RobotModel& model)
 void Walker::start(const WalkParameters& parameters, std::span<const Angle> targets) {
   KOBOSHI_ASSERT(model_.joint_count > 0 && targets.size() == model_.joint_count);
   gait_ = Gait(parameters);
+  // Legs without hip yaw cannot turn the robot back to its heading.
+  const bool can_turn = model_.find(robot::JointRole::kLeftHipYaw).has_value() &&
+                        model_.find(robot::JointRole::kRightHipYaw).has_value();
+  if (!can_turn) gait_.heading_hold = Ratio();
   pendulum_ = Pendulum(gait_.com_height);
   footsteps_ = Footsteps(gait_.step_width - gait_.zmp_inward * 2,
                          pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks)),
