@@ -64,6 +64,26 @@ Direction column(const Rotation& R, Ratio Direction::*axis) {
   return {R.rows[0].*axis, R.rows[1].*axis, R.rows[2].*axis};
 }
 
+// Returns R times the rotation by `angle` about `axis`. For a rotation about an axis of the base, two columns
+// of R mix and one stays: a third of the products.
+Rotation turned(const Rotation& R, const Direction& axis, Angle angle) {
+  Rotation turned = R;
+  const auto mix = [&](Ratio Direction::*first, Ratio Direction::*second, Ratio along) {
+    auto [s, c] = fixed::sin_cos(angle);
+    if (along < Ratio()) s = -s;
+    for (Direction& row : turned.rows) {
+      const Ratio before = row.*first;
+      row.*first = fixed::product_sum<Ratio>(before, c, row.*second, s);
+      row.*second = fixed::product_sum<Ratio>(row.*second, c, -before, s);
+    }
+    return turned;
+  };
+  if (axis == kAxisX || axis == -kAxisX) return mix(&Direction::y, &Direction::z, axis.x);
+  if (axis == kAxisY || axis == -kAxisY) return mix(&Direction::z, &Direction::x, axis.y);
+  if (axis == kAxisZ || axis == -kAxisZ) return mix(&Direction::x, &Direction::y, axis.z);
+  return R * rotation_about(axis, angle);
+}
+
 Angle signed_by(std::int8_t sign, Angle angle) { return sign < 0 ? -angle : angle; }
 
 class NewtonLeg {
@@ -148,7 +168,7 @@ class NewtonLeg {
       X.p = X.p + X.R * hinge.anchor;
       anchors[place] = X.p;
       columns_[unknown(place)].turn = X.R * hinge.axis;
-      X.R = X.R * rotation_about(hinge.axis, result_.angles[i]);
+      X.R = turned(X.R, hinge.axis, result_.angles[i]);
     }
     const Direction normal = column(X.R, &Direction::z);
     X.p = X.p - Position{fixed::product<Length>(leg_.ankle_height, normal.x),
