@@ -7,13 +7,7 @@
 
 namespace koboshi::behaviour {
 
-std::uint32_t CommandedWalk::joints() const {
-  std::uint32_t joints = 0;
-  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
-    for (const robot::JointIndex joint : model_.leg(side)) joints |= 1u << joint;
-  }
-  return joints;
-}
+std::uint32_t CommandedWalk::joints() const { return model_.leg_joints(); }
 
 void CommandedWalk::advance(std::uint32_t elapsed_us, const motion::Inputs& inputs,
                             std::span<fixed::Angle> targets) {

@@ -15,6 +15,11 @@ namespace {
 constexpr fixed::Acceleration kMinAcceleration = 4.9_m_per_s2;
 constexpr fixed::Acceleration kMaxAcceleration = 14.7_m_per_s2;
 
+// Without them the feet cannot turn, and a velocity that turns is out of range.
+bool has_hip_yaws(const robot::RobotModel& model) {
+  return model.find(robot::JointRole::kLeftHipYaw) && model.find(robot::JointRole::kRightHipYaw);
+}
+
 }  // namespace
 
 Reason Behaviour::request(Command command, std::int16_t argument, const Circumstances& circumstances) {
@@ -25,7 +30,8 @@ Reason Behaviour::request(Command command, std::int16_t argument, const Circumst
 // A velocity that is obeyed clears only the refusal of an earlier velocity: velocities come often, and would
 // hide the refusal of a command.
 Reason Behaviour::request_velocity(const walk::Velocity& velocity) {
-  const bool obeyed = clamped(velocity, parameters_.velocity_limits) == velocity;
+  const bool obeyed = clamped(velocity, parameters_.velocity_limits) == velocity &&
+                      (velocity.turn_mrad_per_s == 0 || has_hip_yaws(model_));
   if (obeyed) walk_.set_velocity(velocity);
   if (!obeyed) status_.refusal = Reason::kVelocityOutOfRange;
   if (obeyed && status_.refusal == Reason::kVelocityOutOfRange) status_.refusal = Reason::kNone;

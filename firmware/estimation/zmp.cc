@@ -35,7 +35,7 @@ FootSensor::FootSensor(const robot::RobotModel& model, hal::Side side)
     : model_(model), sensor_(model.feet[side].sensor) {
   if (model.joint_count == 0) return;
   const robot::Foot& geometry = model.feet[side];
-  const robot::Joint& foot = model.joints[model.leg(side)[robot::kLegJoints - 1]];
+  const robot::Joint& foot = model.joints[model.foot_joint(side)];
   min_load_ = fixed::product<Force>(robot::total_mass(model), fixed::kGravity) / kWeightPerMinLoad;
   weight_ = fixed::product<Force>(foot.mass, fixed::kGravity);
   // The foot's frame lies in the ankle, over the sole frame's origin.

@@ -152,6 +152,12 @@ std::uint32_t integer_square_root_rounded(std::uint64_t value) {
   return up && root != 0xFFFFFFFF ? root + 1 : root;
 }
 
+InverseRoot inverse_square_root(std::uint64_t value) {
+  const int shift = std::countl_zero(value) & ~1;
+  const std::uint64_t root = inverse_root(static_cast<std::uint32_t>(value << shift >> 32));
+  return {static_cast<std::uint32_t>(root), 62 - shift / 2};
+}
+
 Angle atan2_raw(std::int32_t y, std::int32_t x) {
   const std::uint32_t dx = magnitude(x);
   const std::uint32_t dy = magnitude(y);

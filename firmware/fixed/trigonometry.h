@@ -25,6 +25,16 @@ struct SineCosine {
 // Returns the square root, rounded to nearest; 2^32 does not fit and becomes 2^32 - 1.
 [[nodiscard]] std::uint32_t integer_square_root_rounded(std::uint64_t value);
 
+// 1 / sqrt(value) as mantissa * 2^-shift, with a mantissa from 2^30 to 2^31, or 2^-23 beyond.
+struct InverseRoot {
+  std::uint32_t mantissa;
+  int shift;
+};
+
+// Returns the inverse of the square root of a value above zero, to 2^-23 of itself: half of the instructions
+// of a root and a division.
+[[nodiscard]] InverseRoot inverse_square_root(std::uint64_t value);
+
 // Returns the angle of the point (x, y) from the x axis, given as raw numbers of one format. Error at most
 // 1.7 LSB. It is -1/2 turn on the negative x axis and 0 at the origin.
 [[nodiscard]] Angle atan2_raw(std::int32_t y, std::int32_t x);

@@ -19,7 +19,7 @@ void forward_kinematics(const RobotModel& model, std::span<const fixed::Angle> a
 }
 
 Pose sole_pose(const RobotModel& model, hal::Side side, const LinkPoses& X_BLinks) {
-  const Pose& X_BFoot = X_BLinks[model.leg(side)[kLegJoints - 1]];
+  const Pose& X_BFoot = X_BLinks[model.foot_joint(side)];
   const Length ankle_height = model.feet[side].ankle_height;
   return {X_BFoot.R, X_BFoot.p + X_BFoot.R * Position{.x = {}, .y = {}, .z = -ankle_height}};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "firmware/fixed/trigonometry.h"
+#include "firmware/robot/leg_newton.h"
 
 namespace koboshi::robot {
 namespace {
@@ -12,21 +13,6 @@ using fixed::Length;
 using fixed::product;
 using fixed::product_sum;
 using fixed::Ratio;
-
-constexpr std::array<Direction, kLegJoints> kLegAxes{kAxisZ, kAxisX, kAxisY, kAxisY, kAxisY, kAxisX};
-
-// Distance up to which axes count as meeting. Set by hand (2026-11-21) for the rounding of the numbers in a
-// robot file; a unit of a drive's position, 6 um at 1 m, is coarser.
-constexpr Length kCoincidenceTolerance = Length::from_raw(16);  // 1 um
-
-bool is_near_zero(Length length) { return fixed::abs(length) <= kCoincidenceTolerance; }
-bool is_near_zero(const Position& p) { return is_near_zero(p.x) && is_near_zero(p.y) && is_near_zero(p.z); }
-
-// Returns +1 or -1 if `axis` is that multiple of `unit`, else 0.
-std::int8_t sign_along(const Direction& axis, const Direction& unit) {
-  if (axis == unit) return 1;
-  return axis == -unit ? std::int8_t{-1} : std::int8_t{0};
-}
 
 // Targets are clamped to this distance in each coordinate, since three squares of the full range, 2^31, would
 // overflow 64 bits. Set by hand (2026-11-21): far beyond thigh and shank of kMaxOffset each; three squares of
@@ -42,20 +28,12 @@ Length root_of_raw(std::int64_t square) {
   return Length::from_wide_raw(fixed::integer_square_root_rounded(static_cast<std::uint64_t>(square)));
 }
 
-// Tolerances of `reached`, for the rounding of targets that are just reachable: of a distance, of an angle
-// (2^-18 turn, four units of a drive's position), of a sine (7.6e-6, a third of that angle). Set by hand
-// (2026-11-21), of the size of the solver's own error: forward of inverse kinematics errs by up to 1.1 um
-// over the workspace (tests/unit/firmware/robot/leg_test.cc).
-constexpr Length kReachTolerance = kCoincidenceTolerance;
-constexpr Angle kLimitTolerance = Angle::from_raw(1 << 14);
-constexpr Ratio kTurnTolerance = Ratio::from_raw(1 << 13);
-
 // Below this cosine of the hip roll (1.5e-5), rounding determines the yaw; it is then zero. Set by hand
 // (2026-11-21): the elements of a rotation err by some 1e-8, which is 1e-3 of it.
 constexpr Ratio kGimbalLock = Ratio::from_raw(1 << 14);
 
-// Solves the leg joint by joint: knee, ankle, hip. Each angle is clamped before the next is computed, so that
-// the next one compensates as far as it can.
+// Solves a standard leg joint by joint: knee, ankle, hip. Each angle is clamped before the next is computed,
+// so that the next one compensates as far as it can.
 class LegSolver {
  public:
   LegSolver(const RobotModel& model, const LegGeometry& leg) : model_(model), leg_(leg) {}
@@ -164,7 +142,7 @@ class LegSolver {
 
   const RobotModel& model_;
   const LegGeometry& leg_;
-  LegAngles result_{.angles = {}, .reached = true};
+  LegAngles result_{.angles = {}, .reached = true, .missing_heading = {}};
   Angle knee_;              // of the equivalent leg without tilts
   fixed::SineCosine roll_;  // of the ankle
   Angle ankle_pitch_;       // of the equivalent leg without tilts
@@ -172,36 +150,10 @@ class LegSolver {
 
 }  // namespace
 
-bool make_leg_geometry(const RobotModel& model, hal::Side side, LegGeometry& geometry) {
-  std::array<Position, kLegJoints> anchors;
-  for (std::size_t i = 0; i < kLegJoints; ++i) {
-    const auto index = model.find(leg_role(side, i));
-    if (!index) return false;
-    const Joint& joint = model.joints[*index];
-    const LinkIndex parent = i == 0 ? LinkIndex() : LinkIndex(geometry.joints[i - 1]);
-    geometry.joints[i] = *index;
-    geometry.signs[i] = sign_along(joint.axis, kLegAxes[i]);
-    if (joint.parent != parent || geometry.signs[i] == 0) return false;
-    anchors[i] = joint.anchor;
-  }
-  const Position& thigh = anchors[kKnee];
-  const Position& shank = anchors[kAnklePitch];
-  if (!is_near_zero(anchors[kHipRoll]) || !is_near_zero(anchors[kHipPitch]) || !is_near_zero(thigh.y) ||
-      !is_near_zero(shank.y) || !is_near_zero(anchors[kAnkleRoll]) || thigh.z >= -kCoincidenceTolerance ||
-      shank.z >= -kCoincidenceTolerance) {
-    return false;
-  }
-  geometry.p_BH_B = anchors[kHipYaw];
-  geometry.thigh = fixed::hypotenuse(thigh.x, thigh.z);
-  geometry.shank = fixed::hypotenuse(shank.x, shank.z);
-  geometry.thigh_tilt = fixed::atan2(-thigh.x, -thigh.z);
-  geometry.shank_tilt = fixed::atan2(-shank.x, -shank.z);
-  geometry.ankle_height = model.feet[side].ankle_height;
-  return true;
-}
-
-LegAngles leg_inverse_kinematics(const RobotModel& model, const LegGeometry& leg, const Pose& X_BSole) {
-  return LegSolver(model, leg).solve(X_BSole);
+LegAngles leg_inverse_kinematics(const RobotModel& model, const LegGeometry& leg, const Pose& X_BSole,
+                                 const LegAngles* last) {
+  if (leg.is_standard) return LegSolver(model, leg).solve(X_BSole);
+  return newton_leg_inverse_kinematics(model, leg, X_BSole, last);
 }
 
 }  // namespace koboshi::robot

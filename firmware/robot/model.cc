@@ -103,6 +103,23 @@ std::array<JointIndex, kLegJoints> RobotModel::leg(hal::Side side) const {
   return indices;
 }
 
+std::uint32_t RobotModel::leg_joints() const {
+  std::uint32_t mask = 0;
+  for (std::size_t i = 0; i < joint_count; ++i) {
+    if (joints[i].role >= JointRole::kLeftHipYaw && joints[i].role <= JointRole::kRightAnkleRoll)
+      mask |= 1u << i;
+  }
+  return mask;
+}
+
+JointIndex RobotModel::foot_joint(hal::Side side) const {
+  constexpr std::size_t kPitch = 4;  // LegJoint::kAnklePitch, kAnkleRoll
+  constexpr std::size_t kRoll = 5;
+  const JointIndex pitch = find(leg_role(side, kPitch)).value_or(JointIndex());
+  const JointIndex roll = find(leg_role(side, kRoll)).value_or(JointIndex());
+  return joints[pitch].parent == LinkIndex(roll) ? pitch : roll;
+}
+
 fixed::Angle joint_angle(const Drive& drive, std::int32_t position) {
   const std::int64_t shaft_raw =
       std::int64_t{position} * (std::int32_t{1} << (fixed::Angle::kFractionBits - drive.position_bits));

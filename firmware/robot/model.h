@@ -85,7 +85,7 @@ struct Joint {
 // on the ground below the ankle at joint zero; its axes are the foot's, and so are the sensor's. No
 // coordinate exceeds kMaxOffset.
 struct Foot {
-  fixed::Length ankle_height;  // of the ankle's axes above the sole, 0 or more
+  fixed::Length ankle_height;  // of the joint that carries the foot above the sole, 0 or more
   fixed::Length back;          // x of the heel, negative
   fixed::Length front;
   fixed::Length right;  // y of the edge, negative
@@ -118,9 +118,13 @@ struct RobotModel {
 
   // Returns the joint with this role, the first one; nothing where the robot has none.
   [[nodiscard]] std::optional<JointIndex> find(JointRole role) const;
-  // Returns the joints of a leg in the order of LegJoint (leg.h). A loaded model has them all; in any other
-  // model a missing joint has the index 0.
+  // Returns the joints of a leg in the order of LegJoint (leg.h). A loaded model has them all, but perhaps
+  // the hip yaw; a missing joint has the index 0.
   [[nodiscard]] std::array<JointIndex, kLegJoints> leg(hal::Side side) const;
+  // Returns the joints of both legs as a mask, bit i for joint i.
+  [[nodiscard]] std::uint32_t leg_joints() const;
+  // Returns the joint that carries the foot: that ankle joint which the other one carries.
+  [[nodiscard]] JointIndex foot_joint(hal::Side side) const;
 };
 
 enum class [[nodiscard]] ModelStatus : std::uint8_t{
@@ -139,7 +143,8 @@ enum class [[nodiscard]] ModelStatus : std::uint8_t{
     kDuplicateNodeId = 12,
     kDuplicateRole = 13,
     kBadMirror = 14,  // the mirror image of a joint's mirror image is not the joint
-    kBadLeg = 15,     // a missing leg joint, or axes that the closed-form inverse kinematics cannot serve
+    kBadLeg =
+        15,  // a missing joint other than the hip yaw, or a chain that make_leg_geometry() refuses (leg.h)
 };
 
 // Decodes and validates a model image (docs/reference/robot-model-format.md). On failure `model` is

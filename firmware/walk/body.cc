@@ -80,9 +80,10 @@ Body::Body(const robot::RobotModel& model) : model_(model) {
     robot::LegGeometry& leg = legs_[side];
     // A loaded model has legs of this shape (ModelStatus::kBadLeg).
     static_cast<void>(robot::make_leg_geometry(model, side, leg));
-    Position p_BSole = p_BLinks[leg.joints[kAnkleRoll]];
+    Position p_BSole = p_BLinks[model.foot_joint(side)];
     p_BSole.z -= leg.ankle_height;
-    for (const robot::JointIndex i : leg.joints) {
+    for (const robot::LegJoint place_in_leg : leg.chain()) {
+      const robot::JointIndex i = leg.joints[place_in_leg];
       const Length place = p_BLinks[i].z + model.joints[i].centre_of_mass.z;
       const Ratio along = fixed::quotient<Ratio>(leg.p_BH_B.z - place, leg.p_BH_B.z - p_BSole.z);
       both_legs += product<Ratio>(shares.of(model.joints[i].mass), along);
@@ -94,7 +95,7 @@ Body::Body(const robot::RobotModel& model) : model_(model) {
   constant_B_ = centre - scaled(soles, foot_share_);
 }
 
-void Body::solve(const Stance& stance, const Compliance& compliance, std::span<Angle> targets) const {
+void Body::solve(const Stance& stance, const Compliance& compliance, std::span<Angle> targets) {
   const SineCosine yaw = fixed::sin_cos(stance.yaw);
   const SineCosine pitch = fixed::sin_cos(stance.pitch);
   const Position feet =
@@ -106,13 +107,16 @@ void Body::solve(const Stance& stance, const Compliance& compliance, std::span<A
     const robot::LegGeometry& geometry = legs_[side];
     const Foothold& sole = stance.soles[side];
     const Position p_SupportSole = at_height(sole.p, stance.heights[side]);
-    robot::LegAngles leg =
-        robot::leg_inverse_kinematics(model_, geometry,
-                                      {.R = level_in_trunk(sole.yaw - stance.yaw, pitch),
-                                       .p = into_trunk(p_SupportSole - p_SupportB, yaw, pitch)});
+    robot::LegAngles& solution = solutions_[side];
+    solution = robot::leg_inverse_kinematics(model_, geometry,
+                                             {.R = level_in_trunk(sole.yaw - stance.yaw, pitch),
+                                              .p = into_trunk(p_SupportSole - p_SupportB, yaw, pitch)},
+                                             is_solved_ ? &solution : nullptr);
+    robot::LegAngles leg = solution;
     compensate(side, stance, compliance, p_SupportB + from_trunk(geometry.p_BH_B, yaw, pitch), leg);
-    for (std::size_t i = 0; i < robot::kLegJoints; ++i) targets[geometry.joints[i]] = leg.angles[i];
+    for (const robot::LegJoint i : geometry.chain()) targets[geometry.joints[i]] = leg.angles[i];
   }
+  is_solved_ = true;
 }
 
 // Adds the sag of the servos to the targets, so that the loaded joints end up at their planned angles. The

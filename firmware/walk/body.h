@@ -43,7 +43,9 @@ class Body {
 
   // Writes the targets of the legs' joints. A leg that does not reach its sole's pose comes as near as it can
   // (robot::leg_inverse_kinematics).
-  void solve(const Stance& stance, const Compliance& compliance, std::span<fixed::Angle> targets) const;
+  void solve(const Stance& stance, const Compliance& compliance, std::span<fixed::Angle> targets);
+  // Forgets the solution of the last cycle, from which the next one of a leg without closed form begins.
+  void forget() { is_solved_ = false; }
 
  private:
   void compensate(std::size_t side, const Stance& stance, const Compliance& compliance,
@@ -51,6 +53,8 @@ class Body {
 
   const robot::RobotModel& model_;
   hal::BySide<robot::LegGeometry> legs_{};
+  hal::BySide<robot::LegAngles> solutions_{};  // of the last cycle, without compensation
+  bool is_solved_ = false;
   robot::Position constant_B_;  // k
   fixed::Ratio foot_share_;     // mu
   fixed::Ratio inverse_share_;  // 1 / (1 - 2 mu)

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "firmware/fixed/literals.h"
+#include "firmware/fixed/radians.h"
 #include "firmware/fixed/rounding.h"
 #include "firmware/walk/pendulum.h"
-#include "firmware/walk/radians.h"
 
 namespace koboshi::walk {
 
@@ -69,8 +69,8 @@ Gait::Gait(const WalkParameters& parameters) {
   zmp_inward = tenths_of_mm(posture.zmp_inward);
   pitch = angle(posture.trunk_pitch);
   pitch_at_1_m_per_s = angle(posture.trunk_pitch_by_speed);
-  compliance = {.pitch = from_rad(permille(posture.pitch_compliance)),
-                .roll = from_rad(permille(posture.roll_compliance))};
+  compliance = {.pitch = fixed::from_rad(permille(posture.pitch_compliance)),
+                .roll = fixed::from_rad(permille(posture.roll_compliance))};
   arm_swing = permille(posture.arm_swing);
   capture_forward = permille(reaction.capture_forward);
   capture_lateral = permille(reaction.capture_lateral);

@@ -5,8 +5,8 @@
 #include "firmware/fixed/contract.h"
 #include "firmware/fixed/dead_band.h"
 #include "firmware/fixed/interpolation.h"
+#include "firmware/fixed/radians.h"
 #include "firmware/fixed/trigonometry.h"
-#include "firmware/walk/radians.h"
 #include "hal/port/period.h"
 
 namespace koboshi::walk {
@@ -81,6 +81,10 @@ Walker::Walker(const robot::RobotModel& model)
 void Walker::start(const WalkParameters& parameters, std::span<const Angle> targets) {
   KOBOSHI_ASSERT(model_.joint_count > 0 && targets.size() == model_.joint_count);
   gait_ = Gait(parameters);
+  // Legs without hip yaw cannot turn the robot back to its heading.
+  const bool can_turn = model_.find(robot::JointRole::kLeftHipYaw).has_value() &&
+                        model_.find(robot::JointRole::kRightHipYaw).has_value();
+  if (!can_turn) gait_.heading_hold = Ratio();
   pendulum_ = Pendulum(gait_.com_height);
   footsteps_ = Footsteps(gait_.step_width - gait_.zmp_inward * 2,
                          pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks)),
@@ -96,6 +100,7 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
   stance_ = Stance();
   stance_.soles[Side::kRight].p.y = -gait_.step_width;
   com_ = PendulumState::at_rest(middle());
+  body_.forget();
   stand_on_both(middle());
   ramp_ = targets_;
   targets_ = standing_targets_;
@@ -231,7 +236,7 @@ void Walker::observe(const Observation& seen) {
     const std::int64_t lean_raw = std::int64_t{angle.raw()} + lean_within_time_constant.raw();
     const std::int64_t max_raw = kMaxLean.raw();
     const Angle lean = Angle::from_raw(static_cast<std::int32_t>(std::clamp(lean_raw, -max_raw, max_raw)));
-    return product<Length>(gait_.com_height, in_rad(lean));
+    return product<Length>(gait_.com_height, fixed::in_rad(lean));
   };
   // A roll to the right moves the CoM towards negative y; no roll is planned.
   const Point measured{dcm_offset(seen.pitch - stance_.pitch, seen.rates.y),
@@ -346,7 +351,7 @@ void Walker::pose() {
 void Walker::swing_arms() {
   const Length left_forward = stance_.soles[0].p.x - stance_.soles[1].p.x;
   // An arm that swings forward turns negatively about y; the left arm swings with the right foot.
-  const Angle swing = from_rad(product<Ratio>(left_forward, gait_.arm_swing));
+  const Angle swing = fixed::from_rad(product<Ratio>(left_forward, gait_.arm_swing));
   for (std::size_t side = 0; side < shoulders_.size(); ++side) {
     const Shoulder& shoulder = shoulders_[side];
     const std::int32_t turn_raw = (side == 0 ? 1 : -1) * shoulder.sign * swing.raw();

@@ -174,7 +174,8 @@ class RobotParameterCheck {
     stance.soles[1].p = {length(-step_m), length(-width_m)};
     stance.centre_of_mass = {length(-step_m / 2), length(-width_m / 2), length(com_m)};
     std::array<fixed::Angle, robot::kMaxJoints> angles{};
-    body_.solve(stance, {}, angles);
+    walk::Body body = body_;  // without a solution from which it would begin
+    body.solve(stance, {}, angles);
     const estimation::Posture posture = estimation::posture_at(model_, {angles.data(), model_.joint_count});
     const robot::Pose& left = posture.X_BSole[hal::Side::kLeft];
     const robot::Position right = robot::transpose(left.R) * (posture.X_BSole[hal::Side::kRight].p - left.p);

@@ -40,19 +40,24 @@ double lowest_z(const std::vector<Vector3d>& corners) {
       ->z();
 }
 
+// The joint that carries the foot.
 struct Ankle {
-  std::string name;  // of the ankle's roll joint
+  std::string name;
   int joint = -1;
   Vector3d p_BAnkle;
 };
 
 std::optional<Ankle> find_ankle(const RobotDescription& robot, const std::string& side) {
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    if (robot.joints[i].role() != side + "_ankle_roll") continue;
-    return Ankle{robot.joints[i].name, static_cast<int>(i),
-                 robot.links.at(0).X_ML.inverse() * robot.joints[i].p_MJ};
-  }
-  return std::nullopt;
+  const auto find = [&](const std::string& role) {
+    return std::ranges::find_if(robot.joints, [&](const auto& joint) { return joint.role() == role; });
+  };
+  const auto roll = find(side + "_ankle_roll");
+  if (roll == robot.joints.end()) return std::nullopt;
+  const auto pitch = find(side + "_ankle_pitch");
+  const bool pitch_is_last = pitch != robot.joints.end() && pitch->parent == roll->child;
+  const auto last = pitch_is_last ? pitch : roll;
+  return Ankle{last->name, static_cast<int>(last - robot.joints.begin()),
+               robot.links.at(0).X_ML.inverse() * last->p_MJ};
 }
 
 void set_sole(const RobotDescription& robot, const Ankle& ankle, robot::Foot& foot) {

@@ -6,11 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "base/text/user_units.h"
-#include "firmware/fixed/host/convert.h"
 #include "firmware/robot/leg.h"
 
 namespace koboshi::simulation {
@@ -26,11 +25,7 @@ constexpr std::array<const char*, kLegJoints> kNames{"hip_yaw", "hip_roll",    "
                                                      "knee",    "ankle_pitch", "ankle_roll"};
 constexpr std::array<int, kLegJoints> kAxes{2, 0, 1, 1, 1, 0};
 constexpr std::array<char, 3> kAxisNames{'x', 'y', 'z'};
-constexpr double kTolerance_m = 1e-6;  // as kCoincidenceTolerance in firmware/robot/leg.cc
-
-Vector3d metres(const robot::Position& p) {
-  return {fixed::to_double(p.x), fixed::to_double(p.y), fixed::to_double(p.z)};
-}
+constexpr double kMaxOff_deg = 60.0;  // as kMinAlignment in firmware/robot/leg_geometry.cc
 
 class LegFaults {
  public:
@@ -44,17 +39,14 @@ class LegFaults {
 
   void find() {
     if (!find_joints()) return;
-    for (std::size_t i = 0; i < kLegJoints; ++i) {
-      check_parent(i);
-      check_axis(i);
+    const std::size_t errors_before = errors_.size();
+    check_order();
+    for (const std::size_t i : joints_) check_axis(i);
+    robot::LegGeometry leg;
+    if (errors_.size() == errors_before && !robot::make_leg_geometry(model_, side_, leg)) {
+      add(robot::kKnee, "a " + prefix_ + "leg whose joints cannot move the sole in all directions",
+          "axes that do not coincide, at bent knees, and a thigh and a shank");
     }
-    check_meeting(robot::kHipRoll, "hip", "hip_yaw");
-    check_meeting(robot::kHipPitch, "hip", "hip_roll");
-    check_plane(robot::kKnee, "hip");
-    check_below(robot::kKnee, "hip");
-    check_plane(robot::kAnklePitch, "knee");
-    check_below(robot::kAnklePitch, "knee");
-    check_meeting(robot::kAnkleRoll, "ankle", "ankle_pitch");
   }
 
  private:
@@ -65,7 +57,6 @@ class LegFaults {
     return name == role(i) ? name : name + " (" + role(i) + ")";
   }
   const JointDescription& joint(std::size_t i) const { return robot_.joints[indices_[i]]; }
-  Vector3d anchor_m(std::size_t i) const { return metres(model_.joints[indices_[i]].anchor); }
   void add(std::size_t i, const std::string& found, const std::string& expected) {
     errors_.emplace_back(robot_.file, joint(i).line, found, expected);
   }
@@ -75,65 +66,71 @@ class LegFaults {
     for (std::size_t i = 0; i < kLegJoints; ++i) {
       if (const auto index = model_.find(robot::leg_role(side_, i))) {
         indices_[i] = *index;
+        joints_.push_back(i);
         continue;
       }
+      if (i == robot::kHipYaw) continue;
       complete = false;
       errors_.emplace_back(
           robot_.file, robot_.line, "no joint " + role(i),
-          "a leg of six joints with the names or roles " + prefix_ +
+          "a leg of six joints, or of five without hip_yaw, with the names or roles " + prefix_ +
               "hip_yaw, hip_roll, hip_pitch, knee, ankle_pitch, ankle_roll (koboshi model map "
               "proposes roles)");
     }
     return complete;
   }
 
-  void check_parent(std::size_t i) {
-    const robot::LinkIndex expected =
-        i == 0 ? robot::LinkIndex() : robot::LinkIndex(robot::JointIndex(indices_[i - 1]));
-    if (model_.joints[indices_[i]].parent == expected) return;
-    const std::string& base = robot_.links.front().name;
-    add(i, name(i) + " on the link " + robot_.links.at(static_cast<std::size_t>(joint(i).parent)).name,
-        i == 0 ? "a joint on " + base : "a joint on the link that " + name(i - 1) + " turns");
+  // The hip joints, the knee and the two ankle joints follow each other, in any order within hip and ankle.
+  void check_order() {
+    const std::size_t knee_place = joints_.size() - 3;
+    robot::LinkIndex parent;
+    std::string above = robot_.links.front().name;
+    for (std::size_t place = 0; place < joints_.size(); ++place) {
+      const char* const kind = place < knee_place    ? "a hip joint"
+                               : place == knee_place ? "the knee"
+                                                     : "an ankle joint";
+      const auto next = std::ranges::find_if(
+          joints_, [&](std::size_t i) { return model_.joints[indices_[i]].parent == parent; });
+      const bool fits = next != joints_.end() && (place < knee_place    ? *next < robot::kKnee
+                                                  : place == knee_place ? *next == robot::kKnee
+                                                                        : *next > robot::kKnee);
+      if (!fits) {
+        const std::size_t i = next == joints_.end() ? misplaced(parent) : *next;
+        add(i, name(i) + " on the link " + robot_.links.at(static_cast<std::size_t>(joint(i).parent)).name,
+            std::string(kind) + " of that leg on " + above +
+                ": from the base down the hip joints, the knee and the ankle joints, each on the link of the "
+                "one before");
+        return;
+      }
+      parent = robot::LinkIndex(robot::JointIndex(indices_[*next]));
+      above = robot_.links.at(static_cast<std::size_t>(joint(*next).child)).name;
+    }
   }
 
+  // Returns the first joint that hangs on a link outside of the leg.
+  std::size_t misplaced(robot::LinkIndex end) const {
+    for (const std::size_t i : joints_) {
+      const robot::LinkIndex parent = model_.joints[indices_[i]].parent;
+      const bool in_leg = parent.is_trunk() || std::ranges::any_of(joints_, [&](std::size_t other) {
+                            return parent == robot::LinkIndex(robot::JointIndex(indices_[other]));
+                          });
+      if (!in_leg) return i;
+    }
+    return end.is_trunk() ? joints_.front() : joints_.back();
+  }
+
+  // The hip yaw may have any axis. The others are within 60 degrees of the axis of their role.
   void check_axis(std::size_t i) {
-    const robot::Direction& axis = model_.joints[indices_[i]].axis;
-    robot::Direction unit{};
-    const int number = kAxes[i];
-    (number == 0 ? unit.x : number == 1 ? unit.y : unit.z) = fixed::kOne;
-    if (axis == unit || axis == -unit) return;
+    if (i == robot::kHipYaw) return;
     const Vector3d axis_B = robot_.links.front().X_ML.linear().transpose() * joint(i).axis_M;
+    const int number = kAxes[i];
     const double across = std::hypot(axis_B[(number + 1) % 3], axis_B[(number + 2) % 3]);
     const double off_deg = kDegreesPerRad * std::atan2(across, std::abs(axis_B[number]));
+    if (off_deg <= kMaxOff_deg) return;
     add(i,
         fmt::format("the axis of {}, {:.2g} degrees from the base's {}", name(i), off_deg,
                     kAxisNames[static_cast<std::size_t>(number)]),
-        fmt::format("that axis exactly, at joint angles zero: an <xyz> without rounded rotations"));
-  }
-
-  // The axes of a hip meet in one point, and those of an ankle.
-  void check_meeting(std::size_t i, const char* what, const char* other) {
-    const Vector3d miss_m = anchor_m(i);
-    if (miss_m.cwiseAbs().maxCoeff() <= kTolerance_m) return;
-    add(i,
-        fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) mm from {}{}", name(i), kMmPerM * miss_m.x(),
-                    kMmPerM * miss_m.y(), kMmPerM * miss_m.z(), prefix_, other),
-        fmt::format("one point for the axes of the {}, to 0.001 mm (each may slide along its own axis)",
-                    what));
-  }
-
-  void check_plane(std::size_t i, const char* above) {
-    const double miss_m = anchor_m(i).y();
-    if (std::abs(miss_m) <= kTolerance_m) return;
-    add(i, fmt::format("{} {:.3f} mm beside the {}", name(i), kMmPerM * miss_m, above),
-        "hip, knee and ankle in one plane, to 0.001 mm (a pitch joint may slide along its own axis)");
-  }
-
-  void check_below(std::size_t i, const char* above) {
-    const double height_m = anchor_m(i).z();
-    if (height_m < -kTolerance_m) return;
-    add(i, fmt::format("{} {:.3f} mm above the {} at joint angles zero", name(i), kMmPerM * height_m, above),
-        "a leg that hangs down");
+        fmt::format("at most {} degrees, at joint angles zero; or another role for this joint", kMaxOff_deg));
   }
 
   const RobotDescription& robot_;
@@ -141,7 +138,8 @@ class LegFaults {
   hal::Side side_;
   std::string prefix_;
   std::vector<InputError>& errors_;
-  std::array<std::size_t, kLegJoints> indices_{};
+  std::array<std::size_t, kLegJoints> indices_{};  // by robot::LegJoint
+  std::vector<std::size_t> joints_;                // robot::LegJoint, those that the leg has
 };
 
 }  // namespace

@@ -73,7 +73,7 @@ constexpr std::array<std::string_view, 16> kModelStatusTexts{
     "two drives with one node id",
     "two joints with one role",
     "a left-right table that does not lead back",
-    "a leg without one of its six joints, or with axes that do not meet in hip and ankle",
+    "a leg without one of its joints, or with joints that cannot move its sole in all directions",
 };
 
 std::optional<robot::Position> hand_tip(const RobotDescription& robot, const robot::RobotModel& model,

@@ -171,11 +171,7 @@ Place place_of(const motion::MotionVerdict& verdict, const CompiledMotion& compi
 // the walk, as it is made for, its lean does not count.
 void check_leans(const motion::Motion& motion, const CompiledMotion& compiled, const robot::RobotModel& model,
                  Diagnostics& diagnostics) {
-  std::uint32_t legs = 0;
-  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
-    for (const robot::JointIndex joint : model.leg(side)) legs |= 1u << joint;
-  }
-  if ((motion.claimed_joints() & legs) != 0) return;
+  if ((motion.claimed_joints() & model.leg_joints()) != 0) return;
   for (std::size_t i = 0; i < motion.step_count(); ++i) {
     if (motion.opcode(i) != motion::Opcode::kLean) continue;
     diagnostics.add({.code = code::kLeanWithoutLegs,

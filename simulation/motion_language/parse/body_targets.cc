@@ -202,7 +202,7 @@ class BodySolver {
       const Isometry3d X_BSole = X_SB().inverse() * X_SSoles_[side];
       const robot::LegAngles leg =
           robot::leg_inverse_kinematics(robot_.model, legs_[side], fixed_pose(X_BSole));
-      for (std::size_t i = 0; i < robot::kLegJoints; ++i) {
+      for (const robot::LegJoint i : legs_[side].chain()) {
         result_.angles[legs_[side].joints[i]] = leg.angles[i];
         result_.joints |= 1u << legs_[side].joints[i];
       }

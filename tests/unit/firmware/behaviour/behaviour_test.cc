@@ -194,6 +194,15 @@ TEST_F(BehaviourStage, KeepsTheLastVelocityThatIsWithinItsLimits) {
   EXPECT_EQ(behaviour.status().refusal, Reason::kVelocityOutOfRange);
 }
 
+TEST_F(BehaviourStage, RefusesATurnWithoutHipYaws) {
+  EXPECT_EQ(behaviour.request_velocity({.forward_mm_per_s = 100, .turn_mrad_per_s = 100}), Reason::kNone);
+  model.joints[*model.find(robot::JointRole::kRightHipYaw)].role = robot::JointRole::kOther;
+  EXPECT_EQ(behaviour.request_velocity({.forward_mm_per_s = 50, .turn_mrad_per_s = 100}),
+            Reason::kVelocityOutOfRange);
+  EXPECT_EQ(behaviour.velocity().forward_mm_per_s, 100);
+  EXPECT_EQ(behaviour.request_velocity({.forward_mm_per_s = 50}), Reason::kNone);
+}
+
 TEST_F(BehaviourStage, EndsALowBatteryOnlyWhenLimp) {
   stand();
   for (int i = 0; i < Behaviour::kLowReadings; ++i) {

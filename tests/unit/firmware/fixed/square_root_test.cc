@@ -74,6 +74,21 @@ TEST(SquareRoot, OfANegativeNumberIsZero) {
   EXPECT_EQ(square_root<Ratio>(0.0_ratio), 0.0_ratio);
 }
 
+TEST(InverseSquareRoot, IsExactTo23BitsAtAllMagnitudes) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  for (int i = 0; i < 1'000'000; ++i) {
+    const std::uint64_t value = random() >> (i % 64);
+    if (value == 0) continue;
+    const InverseRoot root = inverse_square_root(value);
+    ASSERT_GE(root.mantissa, (1U << 30) - 128);
+    ASSERT_LE(root.mantissa, (1U << 31) + 256);
+    const long double found = std::ldexp(static_cast<long double>(root.mantissa), -root.shift);
+    ASSERT_LT(std::abs(found * std::sqrt(static_cast<long double>(value)) - 1.0L), std::ldexp(1.0L, -23))
+        << value;
+  }
+}
+
 TEST(Hypotenuse, IsRoundedToNearest) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937 random(kSeed);

@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 
+#include "tests/unit/firmware/robot/random_leg.h"
 #include "tests/unit/firmware/robot/reference.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
@@ -16,17 +17,14 @@ namespace {
 using fixed::from_double;
 using test::kRadPerDegree;
 using test::Point;
+using test::SolePose;
 using test::to_base;
+using test::to_fixed;
 
 constexpr std::uint32_t kLegSeed = 1966;
 constexpr std::array<Point, 3> kUnits{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
 using Angles = std::array<double, kMaxJoints>;
-
-struct SolePose {
-  Point p;
-  std::array<Point, 3> axes;
-};
 
 class LegTest : public testing::TestWithParam<hal::Side> {
  protected:
@@ -89,14 +87,6 @@ class LegTest : public testing::TestWithParam<hal::Side> {
     SolePose pose{to_base(model_, angles, foot, {0, 0, -fixed::to_double(leg_.ankle_height)}), {}};
     for (std::size_t i = 0; i < 3; ++i) pose.axes[i] = to_base(model_, angles, foot, kUnits[i], true);
     return pose;
-  }
-
-  static Pose to_fixed(const SolePose& pose) {
-    const auto direction = [](const Point& p) -> Direction {
-      return {from_double<fixed::Ratio>(p.x), from_double<fixed::Ratio>(p.y), from_double<fixed::Ratio>(p.z)};
-    };
-    const Rotation R_SoleB{{direction(pose.axes[0]), direction(pose.axes[1]), direction(pose.axes[2])}};
-    return {transpose(R_SoleB), test::position(pose.p.x, pose.p.y, pose.p.z)};
   }
 
   Angles to_angles(const LegAngles& solution) const {

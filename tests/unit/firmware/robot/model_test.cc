@@ -93,7 +93,7 @@ TEST(RobotModel, RefusesWithTheReason) {
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].mirror_sign = -1; }), kBadMirror);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].role = JointRole::kOther; }), kBadLeg);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].axis = kAxisX; }), kBadLeg);
-  EXPECT_EQ(load_changed([](Model& m) { m.joints[2].anchor.x = fixed::Length::from_raw(32); }), kBadLeg);
+  EXPECT_EQ(load_changed([](Model& m) { m.joints[2].parent = LinkIndex(JointIndex(0)); }), kBadLeg);
 }
 
 TEST(RobotModel, SortsJointsListedBeforeTheirParents) {

@@ -64,11 +64,11 @@ inline Point centre_of_mass(const robot::RobotModel& model, std::span<const doub
 inline Point from_sole(const robot::RobotModel& model, std::span<const double> angles_rad, hal::Side side,
                        Point p_Sole) {
   p_Sole.z -= fixed::to_double(model.feet[static_cast<std::size_t>(side)].ankle_height);
-  return to_base(model, angles_rad, static_cast<int>(model.leg(side)[robot::kLegJoints - 1]), p_Sole);
+  return to_base(model, angles_rad, static_cast<int>(model.foot_joint(side)), p_Sole);
 }
 inline Point to_sole(const robot::RobotModel& model, std::span<const double> angles_rad, hal::Side side,
                      const Point& p_B) {
-  const auto ankle = static_cast<int>(model.leg(side)[robot::kLegJoints - 1]);
+  const auto ankle = static_cast<int>(model.foot_joint(side));
   const Point r = p_B - from_sole(model, angles_rad, side, {});
   const auto axis = [&](const Point& unit) { return dot(r, to_base(model, angles_rad, ankle, unit, true)); };
   return {axis({1, 0, 0}), axis({0, 1, 0}), axis({0, 0, 1})};

@@ -7,7 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "firmware/walk/radians.h"
+#include "firmware/fixed/radians.h"
+#include "tests/unit/firmware/robot/random_leg.h"
 #include "tests/unit/firmware/walk/posed.h"
 
 namespace koboshi::walk {
@@ -107,6 +108,34 @@ TEST_F(BodyTest, PutsTheSolesAtTheirTargets) {
   EXPECT_LT(worst_axis, 1e-5);
 }
 
+// Hips of the order roll, yaw, pitch with axes 9 and 13 mm apart, ankles of the order roll, pitch with 7 mm.
+TEST_F(BodyTest, PutsTheSolesOfLegsWithoutClosedFormAtTheirTargets) {
+  test::LegPlan plan;
+  plan.hip = {robot::kHipRoll, robot::kHipYaw, robot::kHipPitch};
+  plan.ankle = {robot::kAnkleRoll, robot::kAnklePitch};
+  plan.offsets[1] = {0.008, 0.004, 0.0};
+  plan.offsets[2] = {-0.01, 0.0, -0.008};
+  plan.offsets[5] = {0.004, 0.003, -0.005};
+  ASSERT_EQ(robot::load_model(test::encode(test::make_robot_with(plan)), model), robot::ModelStatus::kOk);
+  double worst_m = 0.0;
+  double worst_axis = 0.0;
+  for (int round = 0; round < 300; ++round) {
+    const Stance stance = draw_straight();
+    const Posed posed(model, solve(stance));
+    for (const Side from : kSides) {
+      const Side side = opposite(from);
+      const auto i = static_cast<std::size_t>(side);
+      const test::Point expected = asked(stance, from, stance.soles[i].p, stance.heights[i]);
+      worst_m = std::max(worst_m, norm(posed.sole(side, from) - expected));
+      worst_axis = std::max({worst_axis, norm(posed.sole_axis(side, kUp, from) - kUp),
+                             norm(posed.sole_axis(side, kAhead, from) - kAhead)});
+    }
+  }
+  EXPECT_LT(worst_m, 3e-6);
+  EXPECT_GT(worst_m, 1e-8);
+  EXPECT_LT(worst_axis, 2e-5);
+}
+
 TEST_F(BodyTest, TurnsAndLeansTheTrunk) {
   double worst = 0.0;
   for (int round = 0; round < 2'000; ++round) {
@@ -169,7 +198,8 @@ TEST_F(BodyTest, StaysWithinJointLimitsForTargetsOutOfReach) {
 // Compliance compensation: the target minus the desired angle of each joint, in rad.
 class CompliantBody : public BodyTest {
  protected:
-  static constexpr Compliance kSoft{.pitch = from_rad(fixed::kOne / 2), .roll = from_rad(fixed::kOne / 4)};
+  static constexpr Compliance kSoft{.pitch = fixed::from_rad(fixed::kOne / 2),
+                                    .roll = fixed::from_rad(fixed::kOne / 4)};
 
   // Returns a stance on `side` at the origin with the other foot in the air.
   static Stance on_one_foot(Side side) {

@@ -1,0 +1,341 @@
+#include "firmware/robot/leg_newton.h"
+
+#include <algorithm>
+#include <array>
+
+#include "firmware/fixed/literals.h"
+#include "firmware/fixed/radians.h"
+#include "firmware/fixed/rounding.h"
+#include "firmware/fixed/saturating.h"
+#include "firmware/fixed/trigonometry.h"
+
+namespace koboshi::robot {
+namespace {
+
+using fixed::Angle;
+using fixed::Length;
+using fixed::Ratio;
+using namespace fixed::literals;
+
+// lambda^2, in squares of Ratio's LSB: 2^-20. By hand, 2026-11-26: a hundred times the rounding of the
+// factorisation, and an eighth of the square of the smallest singular value at kMinBend.
+constexpr std::int64_t kDamping_raw = std::int64_t{1} << 40;
+// Least pivot of a leg that moves its sole in all directions, 2^-13: a singular value of 0.011. By hand,
+// 2026-11-26: the default robot has 0.006 = 50 times as much.
+constexpr std::int64_t kMinPivot_raw = std::int64_t{1} << 47;
+// What a knee stays short of straight: 1 degree costs 5 um of reach at 65 mm of thigh and shank.
+constexpr Angle kMinBend = 1.0_deg;
+constexpr Ratio kCosineOfMinBend = 0.99984769515639_ratio;
+// The bend from which the first solution begins. By hand, 2026-11-26: between standing and a deep squat.
+constexpr Angle kSeedBend = 40.0_deg;
+// Limit of a joint's change in one step, in rad: half of the change for which a rotation is nearly linear.
+constexpr Ratio kMaxStep = 0.5_ratio;
+// Clamp of the error's components in units of the scale and of a sine.
+constexpr Ratio kMaxError = 0.5_ratio;
+// A target farther from the last solution has jumped: a quarter of a radian, and as many units of the scale,
+// is ten times what a swing foot moves in a cycle.
+constexpr Ratio kJump = 0.25_ratio;
+// Error that the next Newton step squares below the tolerances: 1/256 of the scale and of a radian.
+constexpr Ratio kNear = Ratio::from_raw(1 << 22);
+// A rotation, in rad, and a displacement, in units of the scale: a column of the Jacobian, or the error.
+struct Twist {
+  Direction turn;
+  Direction move;
+};
+
+// The squares of the two parts of a column are at most 1 each, and those of the error at most 1 and 3/4.
+std::int64_t inner_product_raw(const Twist& a, const Twist& b) {
+  const auto sum = [](const Direction& p, const Direction& q) {
+    return std::int64_t{p.x.raw()} * q.x.raw() + std::int64_t{p.y.raw()} * q.y.raw() +
+           std::int64_t{p.z.raw()} * q.z.raw();
+  };
+  return sum(a.turn, b.turn) + sum(a.move, b.move);
+}
+
+bool is_within(const Direction& v, Ratio limit) {
+  return fixed::abs(v.x) <= limit && fixed::abs(v.y) <= limit && fixed::abs(v.z) <= limit;
+}
+
+bool is_within(const Position& p, Length limit) {
+  return fixed::abs(p.x) <= limit && fixed::abs(p.y) <= limit && fixed::abs(p.z) <= limit;
+}
+
+Direction column(const Rotation& R, Ratio Direction::*axis) {
+  return {R.rows[0].*axis, R.rows[1].*axis, R.rows[2].*axis};
+}
+
+// Returns R times the rotation by `angle` about `axis`. For a rotation about an axis of the base, two columns
+// of R mix and one stays: a third of the products.
+Rotation turned(const Rotation& R, const Direction& axis, Angle angle) {
+  Rotation turned = R;
+  const auto mix = [&](Ratio Direction::*first, Ratio Direction::*second, Ratio along) {
+    auto [s, c] = fixed::sin_cos(angle);
+    if (along < Ratio()) s = -s;
+    for (Direction& row : turned.rows) {
+      const Ratio before = row.*first;
+      row.*first = fixed::product_sum<Ratio>(before, c, row.*second, s);
+      row.*second = fixed::product_sum<Ratio>(row.*second, c, -before, s);
+    }
+    return turned;
+  };
+  if (axis == kAxisX || axis == -kAxisX) return mix(&Direction::y, &Direction::z, axis.x);
+  if (axis == kAxisY || axis == -kAxisY) return mix(&Direction::z, &Direction::x, axis.y);
+  if (axis == kAxisZ || axis == -kAxisZ) return mix(&Direction::x, &Direction::y, axis.z);
+  return R * rotation_about(axis, angle);
+}
+
+Angle signed_by(std::int8_t sign, Angle angle) { return sign < 0 ? -angle : angle; }
+
+class NewtonLeg {
+ public:
+  NewtonLeg(const RobotModel& model, const LegGeometry& leg, const Pose& X_BSole)
+      : model_(model), leg_(leg), target_(X_BSole) {
+    pull_in();
+  }
+
+  LegAngles solve(const LegAngles* last) {
+    if (last == nullptr || !follow(*last)) start();
+    if (!leg_.can_turn()) measure_heading();
+    return result_;
+  }
+
+  std::int64_t least_pivot_raw() {
+    bend_knee();
+    look();
+    return factorise();
+  }
+
+ private:
+  // Takes the steps of a cycle from the last solution; false if the target has jumped. The pose after the
+  // last step is not computed: it counts as reached where the pose before it was near and no limit stopped a
+  // joint.
+  bool follow(const LegAngles& last) {
+    result_.angles = last.angles;
+    for (int i = 0; i < kTrackingSteps; ++i) {
+      look();
+      if (i == 0 && !(is_within(error_.move, kJump) && is_within(error_.turn, kJump))) return false;
+      step();
+    }
+    result_.reached = !stopped_ && is_within(error_.move, kNear) && is_within(error_.turn, kNear);
+    return true;
+  }
+
+  void start() {
+    bend_knee();
+    for (int i = 0; i < kMaxFirstSteps; ++i) {
+      look();
+      if (is_reached()) break;
+      step();
+    }
+    look();
+    result_.reached = is_reached();
+  }
+
+  // Moves a target beyond the extent of the leg there, so that every difference stays in range and the leg
+  // points at the target.
+  void pull_in() {
+    constexpr Length kMax = Length::from_raw(1 << 27);  // 8 m, whose squares fit
+    const auto within_8_m = [&](Length length) { return std::clamp(length, -kMax, kMax); };
+    const Position& from = model_.joints[leg_.joints[leg_.chain_joints[0]]].anchor;
+    Position r = target_.p - from;
+    if (is_within(r, leg_.extent)) return;
+    r = Position{within_8_m(r.x), within_8_m(r.y), within_8_m(r.z)};
+    const Length distance = fixed::hypotenuse(r.x, r.y, r.z);
+    const auto pulled = [&](Length length) {
+      return fixed::mul_div(length, leg_.extent.raw(), distance.raw());
+    };
+    target_.p = from + Position{pulled(r.x), pulled(r.y), pulled(r.z)};
+  }
+
+  // Bends the knee, and hip and ankle by half of that in the other direction each.
+  void bend_knee() {
+    const Angle change = kSeedBend - bend_at_zero();
+    for (const LegJoint i : leg_.chain()) {
+      const Angle about_y = i == kKnee                           ? change
+                            : i == kHipPitch || i == kAnklePitch ? -(change / 2)
+                                                                 : Angle();
+      result_.angles[i] = clamp_to_limits(joint(i), signed_by(leg_.signs[i], about_y));
+    }
+  }
+
+  // Computes the chain of the present angles, its Jacobian and the error.
+  void look() {
+    Pose X;
+    std::array<Position, kLegJoints> anchors;
+    for (std::size_t place = 0; place < leg_.joint_count; ++place) {
+      const LegJoint i = leg_.chain_joints[place];
+      const Joint& hinge = joint(i);
+      X.p = X.p + X.R * hinge.anchor;
+      anchors[place] = X.p;
+      columns_[unknown(place)].turn = X.R * hinge.axis;
+      X.R = turned(X.R, hinge.axis, result_.angles[i]);
+    }
+    const Direction normal = column(X.R, &Direction::z);
+    X.p = X.p - Position{fixed::product<Length>(leg_.ankle_height, normal.x),
+                         fixed::product<Length>(leg_.ankle_height, normal.y),
+                         fixed::product<Length>(leg_.ankle_height, normal.z)};
+    for (std::size_t place = 0; place < leg_.joint_count; ++place) {
+      Twist& twist = columns_[unknown(place)];
+      twist.move = cross(twist.turn, scaled(X.p - anchors[place]));
+    }
+    const Direction up = scaled(anchors[0] - X.p);
+    forward_ = column(X.R, &Direction::x);
+    missing_ = target_.p - X.p;
+    error_.move = clamped(scaled(missing_));
+    must_shorten_ = dot(up, error_.move) > Ratio();
+    const Direction target_normal = column(target_.R, &Direction::z);
+    error_.turn = cross(normal, target_normal);
+    if (leg_.can_turn()) {
+      // Half of the sum of x cross x', y cross y' and z cross z' is the axis times the sine of the angle.
+      const Direction x = cross(forward_, column(target_.R, &Direction::x));
+      const Direction y = cross(column(X.R, &Direction::y), column(target_.R, &Direction::y));
+      const auto half = [](Ratio a, Ratio b, Ratio c) { return a / 2 + b / 2 + c / 2; };
+      error_.turn = {half(x.x, y.x, error_.turn.x), half(x.y, y.y, error_.turn.y),
+                     half(x.z, y.z, error_.turn.z)};
+    } else {
+      // A turn about the sole's normal is no error: the columns lose it as well.
+      for (std::size_t i = 0; i < leg_.joint_count; ++i) {
+        Direction& turn = columns_[i].turn;
+        const Ratio along = dot(target_normal, turn);
+        turn = turn - Direction{fixed::product<Ratio>(along, target_normal.x),
+                                fixed::product<Ratio>(along, target_normal.y),
+                                fixed::product<Ratio>(along, target_normal.z)};
+      }
+    }
+  }
+
+  [[nodiscard]] bool is_reached() const {
+    return is_within(missing_, kReachTolerance) && is_within(error_.turn, kTurnTolerance);
+  }
+
+  // Factorises J^T J + lambda^2 I = G G^T, and in the last row solves G y = J^T e. Returns the least pivot.
+  // Elements of a row are at most as large as its column of J, sqrt(2), or the error.
+  std::int64_t factorise() {
+    const std::size_t n = leg_.joint_count;
+    std::int64_t least_raw = std::int64_t{1} << 62;
+    for (std::size_t j = 0; j < n; ++j) {
+      const std::int64_t pivot_raw = remainder_raw(columns_[j], j, j) + kDamping_raw;
+      least_raw = std::min(least_raw, pivot_raw);
+      inverse_roots_[j] =
+          fixed::inverse_square_root(static_cast<std::uint64_t>(std::max(pivot_raw, kDamping_raw)));
+      for (std::size_t i = j + 1; i < n; ++i) G_[i][j] = divided(remainder_raw(columns_[i], i, j), j);
+      G_[n][j] = divided(remainder_raw(error_, n, j), j);
+    }
+    return least_raw;
+  }
+
+  // What is left of an inner product with column j after the unknowns before it.
+  [[nodiscard]] std::int64_t remainder_raw(const Twist& row, std::size_t i, std::size_t j) const {
+    std::int64_t sum_raw = inner_product_raw(row, columns_[j]);
+    for (std::size_t k = 0; k < j; ++k) sum_raw -= std::int64_t{G_[i][k]} * G_[j][k];
+    return sum_raw;
+  }
+
+  // Divides by the root of the pivot of an unknown; saturates.
+  [[nodiscard]] std::int32_t divided(std::int64_t sum_raw, std::size_t j) const {
+    const auto numerator = fixed::saturate<std::int32_t>(fixed::shift_rounded(sum_raw, Ratio::kFractionBits));
+    const fixed::InverseRoot& root = inverse_roots_[j];
+    return fixed::saturate<std::int32_t>(fixed::shift_rounded(
+        std::int64_t{numerator} * std::int64_t{root.mantissa}, root.shift - Ratio::kFractionBits));
+  }
+
+  void step() {
+    factorise();
+    const std::size_t n = leg_.joint_count;
+    std::array<std::int32_t, kLegJoints> changes_raw{};
+    stopped_ = false;
+    for (std::size_t i = n; i-- > 0;) {
+      std::int64_t sum_raw = std::int64_t{G_[n][i]} << Ratio::kFractionBits;
+      for (std::size_t k = i + 1; k < n; ++k) sum_raw -= std::int64_t{G_[k][i]} * changes_raw[k];
+      changes_raw[i] = turn(joint_of(i), Ratio::from_raw(divided(sum_raw, i))).raw();
+    }
+  }
+
+  // Turns a joint within its limits. Returns by how much, in rad.
+  Ratio turn(LegJoint i, Ratio wanted_rad) {
+    if (i == kKnee) wanted_rad = change_of_bend(wanted_rad);
+    const Ratio limited_rad = std::clamp(wanted_rad, -kMaxStep, kMaxStep);
+    Angle& angle = result_.angles[i];
+    const Angle before = angle;
+    const Angle wanted =
+        Angle::from_raw(fixed::add_saturated(before.raw(), fixed::from_rad(limited_rad).raw()));
+    angle = clamp_to_limits(joint(i), wanted);
+    if (fixed::abs(angle - wanted) > kLimitTolerance) stopped_ = true;
+    return fixed::in_rad(angle - before);
+  }
+
+  // The change of the knee whose cosine changes as the Newton step has it. Where the hip axes do not meet,
+  // the leg is straight at a few degrees of bend, and a knee at its least bend is beyond that: it must bend
+  // if the sole is to come nearer to the hip, whatever the slope there is.
+  Ratio change_of_bend(Ratio wanted_rad) {
+    const std::int8_t sign = leg_.signs[kKnee];
+    const Angle bend = signed_by(sign, result_.angles[kKnee]) + bend_at_zero();
+    Ratio more_rad = sign < 0 ? -wanted_rad : wanted_rad;
+    if (bend <= kMinBend && must_shorten_) more_rad = fixed::abs(more_rad);
+    const auto [s, c] = fixed::sin_cos(std::max(bend, kMinBend));
+    const Ratio cosine = c - fixed::product<Ratio>(s, more_rad);
+    const bool too_straight = cosine > kCosineOfMinBend;
+    if (too_straight) stopped_ = true;
+    const Angle change = (too_straight ? kMinBend : fixed::acos(cosine)) - bend;
+    return fixed::in_rad(signed_by(sign, std::clamp(change, -90.0_deg, 90.0_deg)));
+  }
+
+  [[nodiscard]] Angle bend_at_zero() const { return leg_.shank_tilt - leg_.thigh_tilt; }
+
+  void measure_heading() {
+    const Direction wanted = column(target_.R, &Direction::x);
+    const Direction normal = column(target_.R, &Direction::z);
+    result_.missing_heading = fixed::atan2(dot(normal, cross(forward_, wanted)), dot(forward_, wanted));
+  }
+
+  [[nodiscard]] Direction scaled(const Position& p) const {
+    constexpr int kShift = Ratio::kFractionBits - Length::kFractionBits;
+    const std::int64_t factor = std::int64_t{1} << (kShift - leg_.scale);
+    const auto ratio = [&](Length length) { return Ratio::from_wide_raw(length.raw() * factor); };
+    return {ratio(p.x), ratio(p.y), ratio(p.z)};
+  }
+
+  static Direction clamped(const Direction& v) {
+    const auto component = [](Ratio ratio) { return std::clamp(ratio, -kMaxError, kMaxError); };
+    return {component(v.x), component(v.y), component(v.z)};
+  }
+
+  // The unknown that is the joint at this place of the chain, and back. The knee is the last one.
+  [[nodiscard]] std::size_t unknown(std::size_t place) const {
+    const std::size_t knee = leg_.joint_count - 3;
+    return place < knee ? place : place == knee ? leg_.joint_count - 1 : place - 1;
+  }
+  [[nodiscard]] LegJoint joint_of(std::size_t unknown) const {
+    const std::size_t knee = leg_.joint_count - 3;
+    const std::size_t last = leg_.joint_count - 1;
+    return leg_.chain_joints[unknown < knee ? unknown : unknown == last ? knee : unknown + 1];
+  }
+
+  [[nodiscard]] const Joint& joint(LegJoint i) const { return model_.joints[leg_.joints[i]]; }
+
+  const RobotModel& model_;
+  const LegGeometry& leg_;
+  Pose target_;
+  LegAngles result_;
+  std::array<Twist, kLegJoints> columns_{};  // of J, by unknown
+  Twist error_;
+  Position missing_;
+  Direction forward_;  // x axis of the sole
+  std::array<std::array<std::int32_t, kLegJoints>, kLegJoints + 1> G_{};
+  std::array<fixed::InverseRoot, kLegJoints> inverse_roots_{};
+  bool must_shorten_ = false;  // the target is nearer to the hip than the sole
+  bool stopped_ = false;       // by a limit or the straight knee, in the last step
+};
+
+}  // namespace
+
+LegAngles newton_leg_inverse_kinematics(const RobotModel& model, const LegGeometry& geometry,
+                                        const Pose& X_BSole, const LegAngles* last) {
+  return NewtonLeg(model, geometry, X_BSole).solve(last);
+}
+
+bool is_movable(const RobotModel& model, const LegGeometry& geometry) {
+  return NewtonLeg(model, geometry, Pose()).least_pivot_raw() >= kMinPivot_raw;
+}
+
+}  // namespace koboshi::robot
