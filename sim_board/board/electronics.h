@@ -23,7 +23,6 @@
 
 namespace koboshi::sim_board {
 
-inline constexpr std::uint8_t kControllerNode = 1;
 // COB-IDs of an operator's frames to the controller: its RPDO 1 (command, object 0x2000) and its RPDO 2
 // (velocity of a walk, object 0x2110, in mm/s and mrad/s).
 inline constexpr std::uint16_t kCommandIdentifier = 0x201;

@@ -6,6 +6,7 @@
 
 #include "base/text/text.h"
 #include "sim_board/description/fault_list.h"
+#include "sim_board/description/reserved_nodes.h"
 #include "sim_board/description/schema/sdf_version.h"
 #include "sim_board/description/servo_types.h"
 
@@ -180,6 +181,10 @@ void find_node_id_faults(const XmlNode& model, FaultList& faults) {
     if (!node_ids.insert(node_id).second)
       faults.add(RobotFaultKind::kNodeId, drive, "a second node_id " + std::to_string(node_id),
                  "each node id once", "node_id");
+    if (const std::string_view owner = owner_of_node(node_id); !owner.empty())
+      faults.add(RobotFaultKind::kNodeId, drive,
+                 "node_id = " + std::to_string(node_id) + ", that of " + std::string(owner),
+                 "another from 2 to 127", "node_id");
   }
 }
 

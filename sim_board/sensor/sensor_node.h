@@ -9,15 +9,11 @@
 #include "sim_board/can/bus.h"
 #include "sim_board/can/bus_off_pause.h"
 #include "sim_board/can/canopen_filter.h"
+#include "sim_board/description/reserved_nodes.h"
 #include "sim_board/sensor/sensor_dictionary.h"
 #include "sim_board/storage/node_storage.h"
 
 namespace koboshi::sim_board {
-
-// Default node ids on a board whose sensors are nodes of the bus.
-inline constexpr std::uint8_t kInertialNode = 36;
-inline constexpr std::uint8_t kLeftAnkleNode = 37;
-inline constexpr std::uint8_t kRightAnkleNode = 38;
 
 // Sensor as a CANopen node. Sends its latest sample: an inertial unit periodically, an ankle sensor at each
 // SYNC.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <set>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "base/xml/xml_text.h"
 #include "firmware/robot/model.h"
 #include "sim_board/description/frame_pose.h"
+#include "sim_board/description/reserved_nodes.h"
 #include "tools/import/decide/role_joints.h"
 #include "tools/import/write/sensors_sdf.h"
 
@@ -197,14 +199,18 @@ class RobotWriter {
                                       : fmt::format("{:.9f}", value);
   }
 
-  // Node ids from 16 on, in the order of the firmware's roles; the others follow.
+  // Node ids from 16 on without reserved ones, in the order of the firmware's roles; the others follow.
   int node_id_of(const std::string& name) const {
     constexpr int kFirst = 16;
     std::vector<std::string> order = role_names();
     for (const ImportedJoint& joint : robot_.joints)
       if (find_role(joint.name) == nullptr) order.push_back(joint.name);
     std::erase_if(order, [this](const std::string& other) { return !robot_.find_joint(other); });
-    return kFirst + static_cast<int>(std::ranges::find(order, name) - order.begin());
+    const auto place = std::ranges::find(order, name) - order.begin();
+    int node_id = kFirst - 1;
+    for (std::ptrdiff_t passed = -1; passed < place;)
+      if (sim_board::owner_of_node(++node_id).empty()) ++passed;
+    return node_id;
   }
 
   std::string frames_text() const {

@@ -174,6 +174,21 @@ TEST(LoadRobot, RefusesNamesAndNodesUsedTwice) {
             "FILE:59: found a second node_id 17, expected each node id once");
 }
 
+TEST(LoadRobot, RefusesNodeIdsOfTheControllerAndTheSensors) {
+  const auto refusal = [](int node_id) {
+    return complaint(
+        with("</model>", another_link("tip") + another_joint("elbow", "hand", "tip", node_id) + "</model>"));
+  };
+  EXPECT_EQ(refusal(1), "FILE:59: found node_id = 1, that of the controller, expected another from 2 to 127");
+  EXPECT_EQ(refusal(36),
+            "FILE:59: found node_id = 36, that of the inertial sensor, expected another from 2 to 127");
+  EXPECT_EQ(refusal(37),
+            "FILE:59: found node_id = 37, that of the left ankle sensor, expected another from 2 to 127");
+  EXPECT_EQ(refusal(38),
+            "FILE:59: found node_id = 38, that of the right ankle sensor, expected another from 2 to 127");
+  for (const int node_id : {2, 35, 39, 127}) EXPECT_EQ(refusal(node_id), "nothing") << node_id;
+}
+
 TEST(LoadRobot, RejectsPosesRelativeToUnknownFrames) {
   EXPECT_EQ(complaint(with("relative_to=\"base\"", "relative_to=\"moon\"")),
             "FILE:13: found relative_to = moon, expected the name of a link or joint");

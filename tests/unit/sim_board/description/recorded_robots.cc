@@ -179,7 +179,8 @@ class SmallTree {
                 element("xyz", axis_attribute, dice_.axis()) +
                     "<limit><lower>-1.1</lower><upper>2.05</upper><velocity>7</velocity></limit>" + axis_key);
     text += "<koboshi:servo type=\"small\"/><koboshi:encoder bits=\"12\"/>";
-    text += "<koboshi:drive node_id=\"" + std::to_string(40 - child) + "\" serial_number=\"7\"/>";
+    text +=
+        "<koboshi:drive node_id=\"" + std::to_string(kNodeShift + 40 - child) + "\" serial_number=\"7\"/>";
     parts_.push_back(element("joint", attribute("name", name) + attribute("type", "revolute"), text));
     frames_.push_back(name);
     link_of_[name] = link_name(child);
