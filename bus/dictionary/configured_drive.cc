@@ -53,9 +53,7 @@ class DriveNode final : private canopen::NodeApplication {
     const canopen::Dictionary objects(description_.rows, {});
     const bool known = objects.find(address, location) == canopen::AbortCode::kNone;
     const std::uint32_t value = canopen::load_u32(&request[4]);
-    if (!known || !canopen::is_signed(location.entry->type)) return {address, value};
-    const int spare_bits = 32 - 8 * canopen::size_bytes(location.entry->type);
-    return {address, static_cast<std::int32_t>(value << spare_bits) >> spare_bits};
+    return {address, known ? canopen::integer_of(value, location.entry->type) : value};
   }
   const std::vector<ConfiguredDrive::Write>& writes() const { return writes_; }
 

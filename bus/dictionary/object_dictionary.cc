@@ -16,12 +16,6 @@ using canopen::DataType;
 using canopen::DescribedObject;
 using canopen::Entry;
 
-std::int64_t sign_extended(std::uint32_t value, DataType type) {
-  if (!canopen::is_signed(type)) return value;
-  const int unused = 32 - 8 * canopen::size_bytes(type);
-  return static_cast<std::int32_t>(value << unused) >> unused;
-}
-
 std::string access_of(const Entry& row) {
   if (row.offset == Entry::kConstant && row.type != DataType::kDomain) return "const";
   switch (row.access) {
@@ -45,7 +39,7 @@ std::string default_of(const ObjectItem& item, const Entry& row, std::span<const
   const canopen::Dictionary dictionary({&row, 1}, copy);
   canopen::ObjectValue value;
   if (dictionary.read(item.address, value) != canopen::AbortCode::kNone) return {};
-  const std::int64_t number = sign_extended(value.number(), row.type);
+  const std::int64_t number = canopen::integer_of(value.number(), row.type);
   const bool outside = item.limits && (number < item.limits->low || number > item.limits->high);
   return outside ? std::string() : fmt::format("{}", number);
 }
@@ -69,7 +63,7 @@ ObjectItem make_item(const DescribedObject& described, std::size_t element,
   const std::uint32_t highest =
       row.listed ? row.low + static_cast<std::uint32_t>(std::bit_width(row.high)) - 1 : row.high;
   if (row.limited || row.listed)
-    item.limits = {sign_extended(row.low, row.type), sign_extended(highest, row.type)};
+    item.limits = {canopen::integer_of(row.low, row.type), canopen::integer_of(highest, row.type)};
   item.default_value = default_of(item, row, values);
   item.unit = described.text.unit;
   item.values = described.text.values;

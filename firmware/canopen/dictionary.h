@@ -100,6 +100,13 @@ constexpr bool is_signed(DataType type) {
   return type >= DataType::kInteger8 && type <= DataType::kInteger32;
 }
 
+// Returns the number that the lowest bytes of `value` hold for this type.
+constexpr std::int64_t integer_of(std::uint32_t value, DataType type) {
+  if (!is_signed(type)) return value;
+  const int unused_bits = 32 - 8 * size_bytes(type);
+  return static_cast<std::int32_t>(value << unused_bits) >> unused_bits;
+}
+
 template <typename T>
 consteval DataType data_type_of() {
   if constexpr (std::is_enum_v<T>) {

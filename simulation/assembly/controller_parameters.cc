@@ -97,11 +97,7 @@ std::optional<double> value_in(const app::ControllerValues& values, const Parame
                                        std::as_writable_bytes(std::span(&copy, 1)));
   canopen::ObjectValue value;
   if (dictionary.read(parameter.address(), value) != canopen::AbortCode::kNone) return std::nullopt;
-  const canopen::DataType type = parameter.object->entry.type;
-  const int spare_bits = 32 - 8 * canopen::size_bytes(type);
-  const std::int64_t raw = canopen::is_signed(type)
-                               ? static_cast<std::int32_t>(value.number() << spare_bits) >> spare_bits
-                               : std::int64_t{value.number()};
+  const std::int64_t raw = canopen::integer_of(value.number(), parameter.object->entry.type);
   if (raw < parameter.low() || raw > parameter.high()) return std::nullopt;
   return parameter.value(raw);
 }

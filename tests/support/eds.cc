@@ -56,12 +56,6 @@ EdsValue value_of(const Section& section) {
           .mappable = section.at("PDOMapping") == "1"};
 }
 
-std::int64_t sign_extended(std::uint32_t value, DataType type) {
-  if (!canopen::is_signed(type)) return value;
-  const int unused = 32 - 8 * canopen::size_bytes(type);
-  return static_cast<std::int32_t>(value << unused) >> unused;
-}
-
 std::string access_of(const Entry& row) {
   if (row.offset == Entry::kConstant && row.type != DataType::kDomain) return "const";
   if (row.access == canopen::Access::kReadOnly) return "ro";
@@ -77,13 +71,13 @@ void expect_row(const EdsValue& expected, const Entry& row, unsigned element,
   EXPECT_EQ(row.limited || row.listed, expected.low.has_value());
   if (expected.low && expected.high) {
     const std::uint32_t span = row.listed ? static_cast<std::uint32_t>(std::bit_width(row.high)) - 1 : 0;
-    EXPECT_EQ(sign_extended(row.low, row.type), *expected.low);
-    EXPECT_EQ(sign_extended(row.listed ? row.low + span : row.high, row.type), *expected.high);
+    EXPECT_EQ(canopen::integer_of(row.low, row.type), *expected.low);
+    EXPECT_EQ(canopen::integer_of(row.listed ? row.low + span : row.high, row.type), *expected.high);
   }
   if (expected.default_value.empty() || !row.is_in_ram() || values.empty()) return;
   std::uint32_t raw = 0;
   std::memcpy(&raw, values.data() + row.offset + element * row.stride_bytes, canopen::size_bytes(row.type));
-  EXPECT_EQ(sign_extended(raw, row.type), number(expected.default_value));
+  EXPECT_EQ(canopen::integer_of(raw, row.type), number(expected.default_value));
 }
 
 // The value of a PDO's record that has the default 0 in the data sheet if it is not there.
