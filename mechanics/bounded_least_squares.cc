@@ -20,8 +20,8 @@ constexpr double kDifference_rad = 1e-6;  // of the central differences
 // would overshoot by the ratio of its distance to the length of the limb.
 constexpr double kMaxPull_m = 0.1;
 constexpr double kFirstDamping = 1e-4;  // m^2/rad^2
-constexpr double kLeastDamping = 1e-9;
-constexpr double kMostDamping = 1e3;
+constexpr double kMinDamping = 1e-9;
+constexpr double kMaxDamping = 1e3;
 
 double cost(const Residuals& r, double weight) {
   return weight * weight * r.hard.squaredNorm() + r.soft.squaredNorm();
@@ -97,7 +97,7 @@ void BoundedLeastSquares::descend(const Function& function, const VariableBounds
     }
     bool improved = false;
     double length_rad = 0.0;
-    while (!improved && damping < kMostDamping) {
+    while (!improved && damping < kMaxDamping) {
       if (!find_step(bounds, q, damping)) {
         damping *= 5.0;
         continue;
@@ -112,7 +112,7 @@ void BoundedLeastSquares::descend(const Function& function, const VariableBounds
       } else if (length_rad < kConverged_rad) {
         return;
       }
-      damping = improved ? std::max(0.2 * damping, kLeastDamping) : 5.0 * damping;
+      damping = improved ? std::max(0.2 * damping, kMinDamping) : 5.0 * damping;
     }
     if (!improved || length_rad < kConverged_rad) return;
   }

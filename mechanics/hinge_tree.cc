@@ -41,6 +41,11 @@ int HingeTree::distance(std::size_t link, std::size_t other_link) const {
   return hinges;
 }
 
+bool HingeTree::carries(std::size_t carrier, std::size_t link) const {
+  while (depths_[link] > depths_[carrier]) link = parents_[link];
+  return link == carrier;
+}
+
 std::vector<Eigen::Isometry3d> HingeTree::poses(const Eigen::Isometry3d& X_WB,
                                                 std::span<const double> positions_rad) const {
   std::vector<Eigen::Isometry3d> X_WLs;

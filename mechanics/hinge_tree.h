@@ -36,6 +36,8 @@ class HingeTree {
   std::span<const std::size_t> hinges_from_root() const { return hinges_from_root_; }
   // Returns the number of hinges between the two links.
   int distance(std::size_t link, std::size_t other_link) const;
+  // Whether a link is another one or hangs on it.
+  bool carries(std::size_t carrier, std::size_t link) const;
 
   // Returns X_WL of every link, given that of the root and the hinges' positions in rad.
   std::vector<Eigen::Isometry3d> poses(const Eigen::Isometry3d& X_WB,

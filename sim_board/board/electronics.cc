@@ -120,10 +120,9 @@ void Electronics::take(hal::Side side, const hal::AnkleSample& sample) {
 
 void Electronics::attach_sensor_nodes() {
   if (imu_) imu_node_ = std::make_unique<SensorNode>(SensorKind::kInertial, kInertialNode, bus_);
-  constexpr std::array kNodes{kLeftAnkleNode, kRightAnkleNode};
   for (std::size_t side = 0; side < ankles_.size(); ++side) {
     if (ankles_[side])
-      ankle_nodes_[side] = std::make_unique<SensorNode>(SensorKind::kForceTorque, kNodes[side], bus_);
+      ankle_nodes_[side] = std::make_unique<SensorNode>(SensorKind::kForceTorque, kAnkleNodes[side], bus_);
   }
 }
 
@@ -197,7 +196,6 @@ std::vector<BusMember> Electronics::bus_members() const {
   for (std::size_t i = 0; i < drives_.size(); ++i)
     members.push_back({robot_.joints[i].drive.node_id, drives_[i]->bus_handle()});
   if (imu_node_) members.push_back({kInertialNode, imu_node_->bus_handle()});
-  constexpr std::array kAnkleNodes{kLeftAnkleNode, kRightAnkleNode};
   for (std::size_t side = 0; side < ankle_nodes_.size(); ++side)
     if (ankle_nodes_[side]) members.push_back({kAnkleNodes[side], ankle_nodes_[side]->bus_handle()});
   return members;

@@ -12,6 +12,7 @@ inline constexpr std::uint8_t kControllerNode = 1;
 inline constexpr std::uint8_t kInertialNode = 36;
 inline constexpr std::uint8_t kLeftAnkleNode = 37;
 inline constexpr std::uint8_t kRightAnkleNode = 38;
+inline constexpr std::array kAnkleNodes{kLeftAnkleNode, kRightAnkleNode};  // by hal::Side
 
 // A CANopen node id that no drive may have, because its owner is on the same bus, or may be: whether sensors
 // are nodes is chosen for each run.

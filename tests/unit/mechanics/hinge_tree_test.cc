@@ -26,6 +26,16 @@ TEST(HingeTree, CountsTheHingesBetweenLinks) {
   EXPECT_EQ(tree.distance(1, 5), 2);
 }
 
+TEST(HingeTree, CarriesALinkAndAllThatHangOnIt) {
+  const HingeTree tree = forked();
+  EXPECT_TRUE(tree.carries(1, 1));
+  EXPECT_TRUE(tree.carries(0, 5));
+  EXPECT_TRUE(tree.carries(1, 3));
+  EXPECT_FALSE(tree.carries(3, 1));
+  EXPECT_FALSE(tree.carries(2, 5));
+  EXPECT_FALSE(tree.carries(4, 2));
+}
+
 TEST(HingeTree, OrdersParentsBeforeChildren) {
   const HingeTree tree = forked();
   std::vector<bool> is_placed{true, false, false, false, false, false};

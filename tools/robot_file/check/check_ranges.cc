@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,8 @@ namespace koboshi::tools {
 namespace {
 
 constexpr int kSteps = 5;  // of each joint of a pair, from one end of its range to the other
+
+using LinkPair = std::pair<std::size_t, std::size_t>;
 
 struct Contact {
   std::array<std::size_t, 2> joints{};
@@ -37,29 +40,19 @@ class RangeSampler {
       if (!robot.links[link].collisions.empty()) with_boxes_.push_back(link);
   }
 
-  std::map<std::pair<std::size_t, std::size_t>, Contact> contacts() {
+  std::map<LinkPair, Contact> contacts() {
     pose();
     for (const std::size_t a : with_boxes_)
       for (const std::size_t b : with_boxes_)
-        if (a < b && overlap_m(a, b) > kTouchingBoxes_m) touching_[{a, b}] = true;  // R007
+        if (a < b && overlap_m(a, b) > kTouchingBoxes_m) touching_.insert({a, b});  // R007
     for (std::size_t one = 0; one < robot_.joints.size(); ++one)
       for (std::size_t other = 0; other < robot_.joints.size(); ++other)
-        if (one != other && is_below(robot_.joints[other].child, robot_.joints[one].child))
+        if (one != other && tree_.carries(tree_.hinges()[one].child, tree_.hinges()[other].child))
           sample(one, other);
     return std::move(found_);
   }
 
  private:
-  // Whether a link is another one or hangs on it.
-  bool is_below(int link, int above) const {
-    while (link != above) {
-      const auto carrier = std::ranges::find(robot_.joints, link, &sim_board::JointDescription::child);
-      if (carrier == robot_.joints.end()) return false;
-      link = carrier->parent;
-    }
-    return true;
-  }
-
   std::array<double, 2> range_rad(std::size_t index) const {
     const sim_board::JointDescription& joint = robot_.joints[index];
     std::array<double, 2> range_rad = usual_range_rad(joint.role());
@@ -91,13 +84,14 @@ class RangeSampler {
     angles_rad_[other] = 0.0;
   }
 
-  // Of what both joints move with what carries them: contacts with another limb depend on where that one is.
+  // Looks for contacts between links that both joints move and links that carry both. Contacts with another
+  // limb depend on where that one is.
   void find_contacts(std::size_t one, std::size_t other) {
     for (const std::size_t moved : with_boxes_) {
-      if (!is_below(static_cast<int>(moved), robot_.joints[other].child)) continue;
+      if (!tree_.carries(tree_.hinges()[other].child, moved)) continue;
       for (const std::size_t still : with_boxes_) {
-        if (!is_below(robot_.joints[one].parent, static_cast<int>(still))) continue;
-        const std::pair<std::size_t, std::size_t> pair = std::minmax(moved, still);
+        if (!tree_.carries(still, tree_.hinges()[one].parent)) continue;
+        const LinkPair pair = std::minmax(moved, still);
         if (touching_.contains(pair)) continue;
         const Contact contact{{one, other}, {angles_rad_[one], angles_rad_[other]}, overlap_m(moved, still)};
         if (contact.depth_m <= kTouchingBoxes_m) continue;
@@ -112,8 +106,8 @@ class RangeSampler {
   std::vector<std::size_t> with_boxes_;
   std::vector<double> angles_rad_;
   std::vector<Eigen::Isometry3d> X_ML_;
-  std::map<std::pair<std::size_t, std::size_t>, bool> touching_;  // at joint angles zero
-  std::map<std::pair<std::size_t, std::size_t>, Contact> found_;
+  std::set<LinkPair> touching_;  // at joint angles zero
+  std::map<LinkPair, Contact> found_;
 };
 
 }  // namespace
