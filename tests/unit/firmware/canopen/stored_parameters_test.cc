@@ -1,85 +1,14 @@
 #include "firmware/canopen/node/stored_parameters.h"
 
 #include <array>
-#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "hal/fake/storage.h"
-#include "tests/unit/firmware/canopen/storing_node.h"
+#include "tests/unit/firmware/canopen/storing_device.h"
 
 namespace koboshi::canopen {
 namespace {
-
-const NodeDescription kStoringDescription = storing_description();
-
-// A device with its node and a flash that survives every restart.
-class Device final : public NodeApplication, public DeviceOwner {
- public:
-  explicit Device(hal::FakeStorage& flash, std::uint8_t node_id = 0x10)
-      : services({1, 2, 3, 4}, *this),
-        node(kStoringDescription,
-             {.node_id = node_id,
-              .serial_number = 1,
-              .values = std::as_writable_bytes(std::span(&values, 1)),
-              .services = &services},
-             memory.buffers(), sink, *this),
-        items(flash, kSectors * 2048),
-        parameters(items, node) {
-    services.start(node_id);
-    node.start(0);
-  }
-
-  AbortCode on_store(ParameterGroup group) override { return parameters.store(group); }
-  AbortCode on_restore(ParameterGroup group) override { return parameters.restore(group); }
-  void on_reset(NmtCommand reset) override {
-    if (reset == NmtCommand::kResetNode) values = {};
-    parameters.load(reset == NmtCommand::kResetNode ? ParameterGroup::kAll : ParameterGroup::kCommunication);
-  }
-
-  void pass_a_millisecond() {
-    items.process();
-    parameters.process();
-  }
-  // Writes by SDO and returns the final result for the client.
-  AbortCode write(ObjectAddress address, std::uint32_t value, std::size_t size) {
-    AbortCode code = node.write_object(address, value, size);
-    for (int ms = 0; code == AbortCode::kBusy && ms < 1000; ++ms) {
-      pass_a_millisecond();
-      code = node.write_object(address, value, size);
-    }
-    return code;
-  }
-  AbortCode save(std::uint8_t subindex = 1) { return write({0x1010, subindex}, kSave, 4); }
-  AbortCode load(std::uint8_t subindex = 1) { return write({0x1011, subindex}, kLoad, 4); }
-  std::uint32_t read(std::uint16_t index, std::uint8_t subindex = 0) {
-    ObjectValue value;
-    EXPECT_EQ(node.read_object({index, subindex}, value), AbortCode::kNone) << std::hex << index;
-    return value.number();
-  }
-
-  TestValues values;
-  RecordingSink sink;
-  NodeMemory<2, 2, 3, 4> memory;
-  DeviceServices services;
-  Node node;
-  storage::ItemStore items;
-  StoredParameters parameters;
-};
-
-class StoredParametersTest : public testing::Test {
- protected:
-  StoredParametersTest() { flash.complete_after(2); }
-
-  void restart(std::uint8_t node_id = 0x10) {
-    flash.lose_power();
-    device.emplace(flash, node_id);
-  }
-
-  hal::FakeStorage flash{kSectors, 2048};
-  std::optional<Device> device{std::in_place, flash};
-};
 
 TEST_F(StoredParametersTest, ReportsThatEachGroupIsSavedOnCommand) {
   for (const std::uint16_t index : std::to_array<std::uint16_t>({0x1010, 0x1011})) {
@@ -356,57 +285,6 @@ TEST_F(StoredParametersTest, ReportsAFailureToTheRequestThatFailed) {
   EXPECT_EQ(device->save(2), AbortCode::kNone);  // another client, another group
   EXPECT_EQ(device->node.write_object({0x1010, 4}, kSave, 4), AbortCode::kHardwareError);
   EXPECT_EQ(device->save(4), AbortCode::kNone);
-}
-
-TEST_F(StoredParametersTest, VerifiesASavedConfiguration) {
-  ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
-  ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);
-  ASSERT_EQ(device->write({0x1020, 2}, 43'200'000, 4), AbortCode::kNone);
-  EXPECT_EQ(device->read(0x1020), 2u);
-  ASSERT_EQ(device->save(), AbortCode::kNone);
-  restart();
-  EXPECT_EQ(device->read(0x1020, 1), 15'000u);
-  EXPECT_EQ(device->read(0x1020, 2), 43'200'000u);
-}
-
-TEST_F(StoredParametersTest, DoesNotVerifyAChangedConfiguration) {
-  const std::vector<std::pair<ObjectAddress, std::uint32_t>> changes{
-      {{0x2000, 1}, 7}, {{0x6060, 0}, 1}, {{0x1017, 0}, 50}, {{0x1801, 2}, 3}, {{0x1A01, 0}, 1}};
-  for (const auto& [address, value] : changes) {
-    ASSERT_EQ(device->write({0x1801, 1}, 0xC000'0290, 4), AbortCode::kNone);
-    ASSERT_EQ(device->write({0x1A01, 1}, 0x6064'0020, 4), AbortCode::kNone);
-    ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);
-    ASSERT_EQ(device->write({0x1020, 2}, 1, 4), AbortCode::kNone);
-    ASSERT_EQ(device->write(address, device->read(address.index, address.subindex), 0), AbortCode::kNone);
-    EXPECT_EQ(device->read(0x1020, 1), 15'000u) << "the same value is no change";
-    ASSERT_EQ(device->write(address, value, 0), AbortCode::kNone) << std::hex << address.index;
-    EXPECT_EQ(device->read(0x1020, 1), 0u) << std::hex << address.index;
-    EXPECT_EQ(device->read(0x1020, 2), 0u) << std::hex << address.index;
-  }
-}
-
-TEST_F(StoredParametersTest, StillVerifiesAfterProcessValuesAndRefusals) {
-  ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);
-  ASSERT_EQ(device->write({0x6040, 0}, 6, 2), AbortCode::kNone);
-  EXPECT_EQ(device->write({0x6060, 0}, 99, 1), AbortCode::kValueTooHigh);
-  EXPECT_EQ(device->write({0x1003, 0}, 0, 1), AbortCode::kNone);
-  EXPECT_EQ(device->save(), AbortCode::kNone);
-  EXPECT_EQ(device->read(0x1020, 1), 15'000u);
-}
-
-TEST_F(StoredParametersTest, DoesNotVerifyAfterARestore) {
-  ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);
-  ASSERT_EQ(device->save(), AbortCode::kNone);
-  ASSERT_EQ(device->load(), AbortCode::kNone);
-  device->node.command(NmtCommand::kResetNode, 1'000);
-  EXPECT_EQ(device->read(0x1020, 1), 0u);
-}
-
-TEST(VerifyConfiguration, IsAServiceOfDevices) {
-  TestNode without;
-  without.node.start(0);
-  ObjectValue value;
-  EXPECT_EQ(without.node.read_object({0x1020, 1}, value), AbortCode::kObjectDoesNotExist);
 }
 
 }  // namespace

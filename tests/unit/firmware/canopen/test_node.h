@@ -177,6 +177,8 @@ inline std::vector<std::uint8_t> counted_bytes(std::size_t count) {
   return bytes;
 }
 
+inline const hal::CanFrame kSync = can_frame(0x080, {});
+
 // A node and its owner, which records the callbacks.
 class TestNode final : public NodeApplication, public DeviceOwner {
  public:

@@ -76,12 +76,28 @@ double largest_difference(const ReferenceLeg::Angles& a, const ReferenceLeg::Ang
   return largest;
 }
 
-TEST_F(NewtonLegTest, FindsFromBentKneesWhatTheReferenceFinds) {
-  int compared = 0;
-  int missed = 0;
+// The largest errors of solutions against their targets and against exact solutions.
+struct SolutionErrors {
   double worst_m = 0.0;
   double worst_direction = 0.0;
   double worst_rad = 0.0;
+
+  void take(const ReferenceLeg& reference, const SolePose& target, const ReferenceLeg::Angles& found) {
+    worst_m = std::max(worst_m, reference.position_error_m(found, target));
+    worst_direction = std::max(worst_direction, reference.direction_error(found, target));
+  }
+  // `exact` is where the reference begins, and becomes its solution.
+  void compare(const ReferenceLeg& reference, const SolePose& target, const ReferenceLeg::Angles& found,
+               ReferenceLeg::Angles& exact) {
+    ASSERT_LT(reference.solve(target, exact), 1e-9);
+    worst_rad = std::max(worst_rad, largest_difference(found, exact));
+  }
+};
+
+TEST_F(NewtonLegTest, FindsFromBentKneesWhatTheReferenceFinds) {
+  SolutionErrors errors;
+  int compared = 0;
+  int missed = 0;
   for (int round = 0; round < 1500; ++round) {
     const auto which = side();
     const Leg leg(test::draw_leg_plan(random_), which);
@@ -96,20 +112,18 @@ TEST_F(NewtonLegTest, FindsFromBentKneesWhatTheReferenceFinds) {
       ++missed;
       continue;
     }
-    ReferenceLeg::Angles found = test::to_double(solution);
-    worst_m = std::max(worst_m, reference.position_error_m(found, target));
-    worst_direction = std::max(worst_direction, reference.direction_error(found, target));
+    const ReferenceLeg::Angles found = test::to_double(solution);
+    errors.take(reference, target, found);
     ReferenceLeg::Angles exact = found;
-    ASSERT_LT(reference.solve(target, exact), 1e-9) << "round " << round;
-    worst_rad = std::max(worst_rad, largest_difference(found, exact));
+    ASSERT_NO_FATAL_FAILURE(errors.compare(reference, target, found, exact)) << "round " << round;
   }
   EXPECT_GT(compared, 1450);
   EXPECT_LT(missed, 4);
-  EXPECT_LT(worst_m, 3e-6);
-  EXPECT_GT(worst_m, 1e-9);
-  EXPECT_LT(worst_direction, 2e-5);
-  EXPECT_LT(worst_rad, 0.02 * kRadPerDegree);
-  RecordProperty("worst_um", std::to_string(worst_m * 1e6));
+  EXPECT_LT(errors.worst_m, 3e-6);
+  EXPECT_GT(errors.worst_m, 1e-9);
+  EXPECT_LT(errors.worst_direction, 2e-5);
+  EXPECT_LT(errors.worst_rad, 0.02 * kRadPerDegree);
+  RecordProperty("worst_um", std::to_string(errors.worst_m * 1e6));
 }
 
 // A sole that swings forward by 60 mm and up by 20 mm in 0.3 s while it turns by 12 degrees, below a trunk
@@ -126,9 +140,7 @@ SolePose moved(const SolePose& from, int cycle) {
 }
 
 TEST_F(NewtonLegTest, FollowsAStepByTwoStepsACycle) {
-  double worst_m = 0.0;
-  double worst_direction = 0.0;
-  double worst_rad = 0.0;
+  SolutionErrors errors;
   int followed = 0;
   for (int round = 0; round < 80; ++round) {
     const auto which = side();
@@ -147,19 +159,17 @@ TEST_F(NewtonLegTest, FollowsAStepByTwoStepsACycle) {
       ASSERT_TRUE(leg.within_limits(last)) << "round " << round;
       if (!last.reached) break;  // out of reach or at a limit
       const ReferenceLeg::Angles found = test::to_double(last);
-      worst_m = std::max(worst_m, reference.position_error_m(found, target));
-      worst_direction = std::max(worst_direction, reference.direction_error(found, target));
+      errors.take(reference, target, found);
       if (cycle % 8 != 0) continue;
-      ASSERT_LT(reference.solve(target, exact), 1e-9) << "round " << round;
-      worst_rad = std::max(worst_rad, largest_difference(found, exact));
+      ASSERT_NO_FATAL_FAILURE(errors.compare(reference, target, found, exact)) << "round " << round;
       if (cycle == 80) ++followed;
     }
   }
   EXPECT_GT(followed, 60);
-  EXPECT_LT(worst_m, 20e-6);
-  EXPECT_LT(worst_direction, 2e-4);
-  EXPECT_LT(worst_rad, 0.05 * kRadPerDegree);
-  RecordProperty("worst_um", std::to_string(worst_m * 1e6));
+  EXPECT_LT(errors.worst_m, 20e-6);
+  EXPECT_LT(errors.worst_direction, 2e-4);
+  EXPECT_LT(errors.worst_rad, 0.05 * kRadPerDegree);
+  RecordProperty("worst_um", std::to_string(errors.worst_m * 1e6));
 }
 
 // Lowers the sole from bent knees to beyond the reach of the leg and back.
