@@ -60,7 +60,7 @@ struct LegAngles {
   // target, stretched or folded as far as possible, and the sole keeps its orientation; if a joint's limit
   // prevents that, the joints solved later (ankle, hip) compensate as far as they can.
   bool reached = false;
-  // By how much the foot would have to turn to the left to have its target's heading: zero with hip yaw.
+  // Turn to the left that the foot lacks to reach its target's heading; zero for a leg with hip yaw.
   fixed::Angle missing_heading;
 };
 

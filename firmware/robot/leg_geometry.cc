@@ -25,7 +25,7 @@ std::int8_t sign_along(const Direction& axis, const Direction& unit) {
   return dot(unit, axis) < Ratio() ? std::int8_t{-1} : std::int8_t{1};
 }
 
-// By LegJoint; zero for a missing hip yaw.
+// Indexed by LegJoint; zero for a missing hip yaw.
 using Anchors = std::array<Position, kLegJoints>;
 
 // Cosine of the angle up to which a joint's axis may be turned from that of its role: 60 degrees. The

@@ -23,7 +23,7 @@ constexpr std::int64_t kDamping_raw = std::int64_t{1} << 40;
 // Least pivot of a leg that moves its sole in all directions, 2^-13: a singular value of 0.011. By hand,
 // 2026-11-26: the default robot has 0.006 = 50 times as much.
 constexpr std::int64_t kMinPivot_raw = std::int64_t{1} << 47;
-// What a knee stays short of straight: 1 degree costs 5 um of reach at 65 mm of thigh and shank.
+// Least bend of the knee: 1 degree costs 5 um of reach at 65 mm of thigh and shank.
 constexpr Angle kMinBend = 1.0_deg;
 constexpr Ratio kCosineOfMinBend = 0.99984769515639_ratio;
 // The bend from which the first solution begins. By hand, 2026-11-26: between standing and a deep squat.
@@ -224,7 +224,7 @@ class NewtonLeg {
     return least_raw;
   }
 
-  // What is left of an inner product with column j after the unknowns before it.
+  // The inner product with column j, less the parts of the unknowns before j.
   [[nodiscard]] std::int64_t remainder_raw(const Twist& row, std::size_t i, std::size_t j) const {
     std::int64_t sum_raw = inner_product_raw(row, columns_[j]);
     for (std::size_t k = 0; k < j; ++k) sum_raw -= std::int64_t{G_[i][k]} * G_[j][k];
