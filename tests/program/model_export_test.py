@@ -43,11 +43,14 @@ class ModelExport(unittest.TestCase):
         self.assertIn('filename="package://koboshi_description/meshes/trunk_frame.stl"', urdf.read_text())
 
     def test_refuses_bad_input_in_one_line(self):
-        for arguments in (["nosuch", "--urdf", self.folder / "a.urdf"], ["koboshi", "--urdf", self.folder]):
+        folder = self.folder / "refused" / "folder"
+        folder.mkdir(parents=True)
+        for arguments in (["nosuch", "--urdf", folder / "a.urdf"], ["koboshi", "--urdf", folder]):
             with self.subTest(arguments):
                 result = PROGRAM.run("model", "export", *arguments)
                 self.assertNotEqual(result.returncode, 0)
                 self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+                self.assertEqual([path.name for path in folder.parent.rglob("*")], ["folder"])
 
 
 if __name__ == "__main__":

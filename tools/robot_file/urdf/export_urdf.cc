@@ -49,13 +49,6 @@ std::string with_servo_types(const fs::path& file) {
   return with_line_feeds(document.text());
 }
 
-void copy_mesh(const fs::path& from, const fs::path& to) {
-  std::error_code error;
-  if (fs::equivalent(from, to, error)) return;
-  fs::create_directories(to.parent_path());
-  write_whole_file(to, read_text_file(from, "a mesh"));
-}
-
 }  // namespace
 
 fs::path path_in_folder(const fs::path& file, const fs::path& folder) {
@@ -79,24 +72,25 @@ std::vector<fs::path> export_urdf(const fs::path& robot_file, const fs::path& ur
     }
   const std::string prefix = package.empty() ? "" : "package://" + package + "/";
   const std::string text = urdf_text(robot, prefix, with_servo_types(robot_file));
-  if (!urdf.parent_path().empty()) fs::create_directories(urdf.parent_path());
-  std::vector<fs::path> written{urdf};
-  for (const fs::path& mesh : meshes) {
-    copy_mesh(folder / mesh, urdf.parent_path() / mesh);
-    written.push_back(urdf.parent_path() / mesh);
-  }
-  // In the robot's own folder they are already.
+  if (fs::is_directory(urdf)) throw InputError(urdf, 0, "a folder", "a file name");
+  // All is read before the first write, so that a failure leaves nothing half-written.
+  const fs::path target = urdf.parent_path().empty() ? "." : urdf.parent_path();
+  FolderFiles files;
   std::error_code error;
-  if (!fs::equivalent(folder.empty() ? "." : folder, urdf.parent_path().empty() ? "." : urdf.parent_path(),
-                      error)) {
-    FolderFiles licences;
+  // The robot's own folder has its meshes and licences already.
+  if (!fs::equivalent(folder.empty() ? "." : folder, target, error)) {
     ImportReport ignored;
-    add_licences(robot_file, licences, ignored);
-    for (const auto& [name, licence] : licences) {
-      write_whole_file(urdf.parent_path() / name, licence);
-      written.push_back(urdf.parent_path() / name);
-    }
+    add_licences(robot_file, files, ignored);
+    for (const fs::path& mesh : meshes) files[mesh.string()] = read_text_file(folder / mesh, "a mesh");
   }
+  std::vector<fs::path> written{urdf};
+  for (const auto& [name, content] : files) {
+    const fs::path file = urdf.parent_path() / name;
+    fs::create_directories(target / fs::path(name).parent_path());
+    write_whole_file(file, content);
+    written.push_back(file);
+  }
+  fs::create_directories(target);
   write_whole_file(urdf, text);
   return written;
 }
