@@ -390,8 +390,8 @@ std::string events_text(std::span<const RunEvent> events) {
 void EventLog::archive(sim_board::StateArchive& archive) {
   archive(events_, said_, truth_, now_us_, heard_state_, entered_us_, given_, velocity_, velocity_us_,
           reported_velocity_, sdo_argument_, last_command_, last_text_, refused_, emergencies_, falls_,
-          is_down_, was_upright_, down_us_, down_by_, attempts_, cut_offs_, next_push_, begun_, ended_,
-          released_);
+          is_down_, was_upright_, down_us_, down_by_, attempts_, cut_offs_, remarks_, next_push_, begun_,
+          ended_, released_);
 }
 
 }  // namespace koboshi::simulation

@@ -38,6 +38,8 @@ class EventLog {  // Large: one member per kind of event seen last
   // Adds an event that only the caller can detect.
   void add(std::uint64_t time_us, const std::string& kind, const std::string& text,
            nlohmann::ordered_json fields = nlohmann::ordered_json::object());
+  // Adds a clause to the verdict.
+  void remark(const std::string& clause) { remarks_.push_back(clause); }
 
   // Returns the events in order of time. The last one is the end of the run, with the verdict as its text.
   std::vector<RunEvent> events(bool controller_is_dead = false) const;
@@ -126,6 +128,7 @@ class EventLog {  // Large: one member per kind of event seen last
   const char* down_by_ = "";
   std::size_t attempts_ = 0;
   std::vector<std::string> cut_offs_;  // "bow was cut off at 5.31 s"
+  std::vector<std::string> remarks_;
   std::size_t next_push_ = 0;
   std::vector<bool> begun_;  // faults of the scenario that have begun
   std::vector<bool> ended_;

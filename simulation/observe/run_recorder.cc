@@ -1,10 +1,13 @@
 #include "simulation/observe/run_recorder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
 
+#include "base/text/user_units.h"
 #include "sim_board/world/options.h"
 #include "simulation/assembly/parameters.h"
 #include "simulation/observe/posture.h"
@@ -34,7 +37,8 @@ RunRecorder::RunRecorder(Simulation& simulation, Recorder* recorder, sim_board::
       telemetry_(simulation.model().model),
       truth_(simulation.robot(), simulation.board().ground()),
       events_(simulation.scenario(), simulation.model(),
-              controller_values(simulation.scenario()).velocity_limits) {
+              controller_values(simulation.scenario()).velocity_limits),
+      self_contacts_(simulation.robot()) {
   if (const GaitPlan* plan = simulation.gait_plan()) {
     // The gait's motion follows those that the scenario names.
     const auto motion = static_cast<std::uint8_t>(simulation.scenario().motions.size());
@@ -56,7 +60,8 @@ void RunRecorder::archive(sim_board::StateArchive& archive) {
   if (recorder_ != nullptr)
     throw sim_board::NotSaveable(
         "a simulation that is recorded into files has no snapshots: what is written stays");
-  archive(telemetry_, truth_, events_, walk_, truth_now_, hash_, fell_, base_height_error_m_, foot_slip_m_);
+  archive(telemetry_, truth_, events_, self_contacts_, walk_, truth_now_, hash_, fell_, base_height_error_m_,
+          foot_slip_m_);
 }
 
 std::vector<TraceColumn> RunRecorder::columns(const sim_board::RobotDescription& robot) {
@@ -86,6 +91,7 @@ void RunRecorder::record_tick() {
   hash_state();
   judge();
   events_.observe_tick(simulation_.board().now_us(), telemetry_.now(), *truth_now_, simulation_.pushes());
+  watch_self_contacts();
   if (walk_) walk_->observe_tick(*truth_now_, telemetry_.now());
   if (!trace_.empty()) make_row();
 }
@@ -111,6 +117,25 @@ void RunRecorder::judge() {
   const double error_m = std::abs(truth_now_->p_WB_W.z() - truth_now_->pose_height_m);
   base_height_error_m_ = std::max(base_height_error_m_, error_m);
   for (const double slip_m : truth_now_->foot_slip_m) foot_slip_m_ = std::max(foot_slip_m_, slip_m);
+}
+
+void RunRecorder::watch_self_contacts() {
+  const Telemetry& told = telemetry_.now();
+  if (!is_on_its_feet(told.state, *truth_now_)) return;
+  const auto contact = self_contacts_.observe(simulation_.board().world(), told);
+  if (!contact) return;
+  const sim_board::RobotDescription& robot = simulation_.robot();
+  const std::string& link = robot.links[static_cast<std::size_t>(contact->link)].name;
+  const std::string& other = robot.links[static_cast<std::size_t>(contact->other_link)].name;
+  const std::string& joint = robot.joints[static_cast<std::size_t>(contact->joint)].name;
+  const double error_deg = kDegreesPerRad * contact->following_error_rad;
+  events_.add(simulation_.board().now_us(), "self_contact",
+              fmt::format("{} and {} touch each other; {} is {:.1f} degrees from its target.", link, other,
+                          joint, std::abs(error_deg)),
+              {{"links", {link, other}},
+               {"joint", joint},
+               {"following_error_deg", std::round(10.0 * error_deg) / 10.0}});
+  events_.remark(link + " and " + other + " touch each other");
 }
 
 // Firmware and gait report points in the frame of a sole: the row has them where that sole stands.

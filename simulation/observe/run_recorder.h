@@ -8,6 +8,7 @@
 #include "simulation/assembly/simulation.h"
 #include "simulation/observe/event_log.h"
 #include "simulation/observe/ground_truth.h"
+#include "simulation/observe/self_contact.h"
 #include "simulation/observe/telemetry.h"
 #include "simulation/observe/trace_table.h"
 #include "simulation/observe/walk_observer.h"
@@ -64,6 +65,7 @@ class RunRecorder final : private sim_board::BusObserver, private Companion {
   void archive(sim_board::StateArchive& archive) override;
   void hash_state();
   void judge();
+  void watch_self_contacts();
   void make_row();
 
   Simulation& simulation_;
@@ -72,6 +74,7 @@ class RunRecorder final : private sim_board::BusObserver, private Companion {
   TelemetryReader telemetry_;
   TruthObserver truth_;
   EventLog events_;
+  SelfContacts self_contacts_;
   std::optional<WalkObserver> walk_;
   const GroundTruth* truth_now_ = nullptr;
   StateHash hash_;

@@ -61,9 +61,12 @@ std::string EventLog::posture(bool controller_is_dead) const {
 std::string EventLog::verdict(bool controller_is_dead) const {
   std::string text = posture(controller_is_dead) + "; " + falls_text();
   constexpr std::size_t kMaxNamed = 3;
-  for (std::size_t i = 0; i < std::min(cut_offs_.size(), kMaxNamed); ++i) text += "; " + cut_offs_[i];
-  if (cut_offs_.size() > kMaxNamed)
-    text += fmt::format("; {} more were cut off", cut_offs_.size() - kMaxNamed);
+  const auto add_first = [&](const std::vector<std::string>& clauses, const char* rest) {
+    for (std::size_t i = 0; i < std::min(clauses.size(), kMaxNamed); ++i) text += "; " + clauses[i];
+    if (clauses.size() > kMaxNamed) text += fmt::format("; {} {}", clauses.size() - kMaxNamed, rest);
+  };
+  add_first(cut_offs_, "more were cut off");
+  add_first(remarks_, "more pairs of links touch each other");
   if (refused_ > 0) text += "; " + count_text(refused_, "command") + " refused";
   return text + "; " + count_text(said_.emergencies, "fault");
 }
