@@ -176,7 +176,8 @@ struct JointDescription {
   double lower_rad = 0.0;
   double upper_rad = 0.0;
   double max_speed_rad_per_s = 0.0;
-  ServoDescription servo;
+  double gear = 1.0;       // turns of the servo's output shaft per turn of the joint
+  ServoDescription servo;  // behind the gear, as the joint sees it
   EncoderDescription encoder;
   DriveDescription drive;
   std::string stated_role = {};    // empty: the name is the role

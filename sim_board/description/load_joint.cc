@@ -68,7 +68,8 @@ JointDescription load_joint(const XmlNode& node, const ModelFrames& frames, cons
   const auto type = servo_types.find(servo.attribute("type"));
   if (type == servo_types.end())
     throw servo.error("type = " + one_line(servo.attribute("type")), "the name of a koboshi:servo_type");
-  description.servo = type->second;
+  description.gear = servo.attribute_number("gear", 1.0);
+  description.servo = behind_gear(type->second, description.gear);
   description.encoder = load_encoder(node.child("koboshi:encoder"));
   description.drive = load_drive(node.child("koboshi:drive"));
   description.stated_role = text_or_empty(node, "koboshi:role");

@@ -120,6 +120,24 @@ ServoTypes load_servo_types(const XmlNode& model_node, const std::filesystem::pa
   return types;
 }
 
+// The bound of friction in docs/reference/servo.md is that of the servo's shaft, whose torque is the joint's
+// divided by the ratio: shares of a torque stay, shares of its square are divided once more.
+ServoDescription behind_gear(ServoDescription servo, double ratio) {
+  servo.torque_constant_Nm_per_A *= ratio;
+  servo.rotor_inertia_kg_m2 *= ratio * ratio;
+  servo.coulomb_friction_Nm *= ratio;
+  servo.viscous_friction_Nm_s *= ratio * ratio;
+  servo.full_voltage_error_rad /= ratio;
+  servo.velocity_gain_V_s_per_rad *= ratio;
+  servo.stribeck.friction_Nm *= ratio;
+  servo.stribeck.speed_rad_per_s /= ratio;
+  servo.quadratic_load_friction_per_Nm.motor /= ratio;
+  servo.quadratic_load_friction_per_Nm.external /= ratio;
+  servo.backlash_rad /= ratio;
+  servo.command.dead_band_rad /= ratio;
+  return servo;
+}
+
 ServoTypes read_servo_types(const std::filesystem::path& file) {
   if (xml_root_name(file) == servo_library_rule().name) {
     ServoTypes types;

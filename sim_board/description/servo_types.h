@@ -21,6 +21,10 @@ class ServoLibraries {
   std::map<std::filesystem::path, XmlFile> files_;
 };
 
+// Returns the servo as the joint sees it behind a stage of this ratio: turns of the servo's output shaft per
+// turn of the joint. The stage has no mass, friction or backlash of its own.
+[[nodiscard]] ServoDescription behind_gear(ServoDescription servo, double ratio);
+
 // Reads the servo types of a file, by name: those that a robot file (SDF) defines or imports, or those of a
 // library such as robots/servos/bam.xml. Throws InputError with the line.
 ServoTypes read_servo_types(const std::filesystem::path& file);

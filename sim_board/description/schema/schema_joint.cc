@@ -40,12 +40,16 @@ XmlRule servo() {
       "koboshi:servo", kRequired, {.meaning = "servo of the joint", .source = kServoPage},
       {text_attribute("type", true,
                       {.meaning = "name of a koboshi:servo_type of this file or of an included library",
-                       .source = kServoPage})});
+                       .source = kServoPage}),
+       number_attribute(
+           "gear", false, {.min = 0.02, .max = 50},
+           {"1", "1", "turns of the servo's output shaft per turn of the joint, by a stage between them",
+            kServoPage})});
 }
 
 XmlRule encoder() {
   return attributes_rule("koboshi:encoder", kRequired,
-                         {.meaning = "encoder on the output shaft", .source = kServoPage},
+                         {.meaning = "encoder, in turns of the joint", .source = kServoPage},
                          {integer_attribute("bits", true, {.min = 8, .max = 24},
                                             {"1", "", "a turn has 2^bits counts", kServoPage}),
                           number_attribute("offset_rad", false, {.min = -1, .max = 1},

@@ -64,6 +64,9 @@ void lock_undriven_joints(ImportedRobot& robot, Interview& interview, ImportRepo
           robot.file, joint.line,
           "the " + one_line(joint.kind_name) + " joint " + one_line(joint.name) + " in joints of import.yaml",
           "a hinge; the simulation has no other joints");
+    if (!joint.mimics.empty() && !robot.find_joint(joint.mimics))
+      report.warnings.push_back(fmt::format("line {}: joint {} mimics {}, which does not exist", joint.line,
+                                            one_line(joint.name), one_line(joint.mimics)));
     if (const auto because = undriven(joint, has_actuators, interview)) {
       lock(joint, *because, true, interview, report);
       continue;

@@ -1,5 +1,8 @@
 #include "tools/import/read/urdf_reader.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -11,6 +14,9 @@ namespace koboshi::tools {
 namespace {
 
 using enum XmlCount;
+
+constexpr double kMinReduction = 1e-3;  // of a transmission
+constexpr double kMaxReduction = 1e4;
 
 using Colours = std::map<std::string, std::array<float, 3>>;  // by the material's name
 
@@ -59,9 +65,9 @@ XmlRule urdf_joint_rule() {
 
 XmlRule transmission_rule() {
   const XmlRule reduction = value_element("mechanicalReduction");
-  return element("transmission", kRepeated, {},
-                 {element("joint", kRepeated, {name_attribute("name")}, {reduction}),
-                  element("actuator", kRepeated, {}, {reduction})});
+  return element("transmission", kRepeated, {value_attribute("name", false)},
+                 {value_element("type"), element("joint", kRepeated, {name_attribute("name")}, {reduction}),
+                  element("actuator", kRepeated, {value_attribute("name", false)}, {reduction})});
 }
 
 const XmlRule& urdf_rule() {
@@ -210,6 +216,14 @@ ImportedJoint read_joint(const XmlNode& node, const std::map<std::string, int>& 
   return joint;
 }
 
+// A negative ratio: the actuator turns the other way, which is no matter of the joint.
+void read_reduction(const XmlNode& node, ImportedJoint& joint) {
+  joint.reduction = std::abs(number_in(node, node.text(), "mechanicalReduction"));
+  if (joint.reduction < kMinReduction || joint.reduction > kMaxReduction)
+    throw node.error("mechanicalReduction = " + one_line(node.text()),
+                     fmt::format("a ratio from {} to {}", kMinReduction, kMaxReduction));
+}
+
 void read_transmission(const XmlNode& node, ImportedRobot& robot) {
   for (const XmlNode& driven : node.children("joint")) {
     const auto index = robot.find_joint(driven.attribute("name"));
@@ -219,8 +233,7 @@ void read_transmission(const XmlNode& node, ImportedRobot& robot) {
     std::vector<XmlNode> holders = node.children("actuator");
     holders.push_back(driven);
     for (const XmlNode& holder : holders)
-      if (const auto reduction = holder.find("mechanicalReduction"))
-        joint.reduction = number_in(*reduction, reduction->text(), "mechanicalReduction");
+      if (const auto reduction = holder.find("mechanicalReduction")) read_reduction(*reduction, joint);
   }
 }
 

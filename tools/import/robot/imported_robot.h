@@ -70,7 +70,7 @@ struct ImportedJoint {
   double speed_rad_per_s = 0.0;  // 0: the file gives none
   std::string mimics{};          // the joint whose angle this one follows
   bool has_actuator = false;     // a <transmission>, or an actuator of MJCF
-  double reduction = 1.0;        // of the <transmission>
+  double reduction = 1.0;        // of the <transmission>, > 0
   // The drive measures the joint angle of the source: shaft = sign * angle + zero.
   int drive_sign = 1;
   double drive_zero_rad = 0.0;

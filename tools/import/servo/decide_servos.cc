@@ -1,10 +1,13 @@
 #include "tools/import/servo/decide_servos.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
+#include "base/text/error.h"
 #include "base/text/text.h"
+#include "sim_board/description/servo_types.h"
 #include "tools/import/normalise/repair_links.h"
 
 namespace koboshi::tools {
@@ -39,10 +42,38 @@ void apply(ImportedJoint& joint, const sim_board::ServoDescription& servo, Inter
                  interview, report)) {
     joint.speed_rad_per_s = speed_rad_per_s;
   }
-  if (joint.reduction != 1.0)
-    report.warnings.push_back(fmt::format(
-        "{}: its transmission of {:.4g} : 1 is not applied, as servo types are those of the output shaft",
-        joint.name, joint.reduction));
+}
+
+// URDFs give the ratio of the servo's own gearbox, 193 : 1 in an MX-28, as well as that of a belt behind it.
+void decide_transmissions(ImportedRobot& robot, Interview& interview, ImportReport& report) {
+  constexpr double kMinGear = 0.02;  // of koboshi:servo@gear
+  constexpr double kMaxGear = 50.0;
+  constexpr double kMaxStage = 10.0;  // belts and pairs of gears behind a servo are below, gearboxes above
+  double largest = 1.0;
+  for (const ImportedJoint& joint : robot.joints)
+    if (std::abs(std::log(joint.reduction)) > std::abs(std::log(largest))) largest = joint.reduction;
+  if (largest == 1.0) return;
+  const bool is_outside =
+      interview.answer(
+          {"transmission",
+           fmt::format("Where are the transmissions, of up to {:.4g} : 1? inside: in the servo, "
+                       "whose catalogue values are those of its output shaft; outside: behind it",
+                       largest),
+           largest <= kMaxStage ? "outside" : "inside",
+           {"inside", "outside"}}) == "outside";
+  for (ImportedJoint& joint : robot.joints) {
+    if (joint.reduction == 1.0) continue;
+    report.normalised.push_back(
+        fmt::format("{}: a transmission of {:.4g} : 1 {}", joint.name, joint.reduction,
+                    is_outside ? "behind the servo" : "in the servo, whose values include it"));
+    if (!is_outside) {
+      joint.reduction = 1.0;
+    } else if (joint.reduction < kMinGear || joint.reduction > kMaxGear) {
+      throw InputError(robot.file, joint.line,
+                       fmt::format("a transmission of {:.4g} : 1 behind the servo", joint.reduction),
+                       fmt::format("a ratio from {} to {}, or transmission: inside", kMinGear, kMaxGear));
+    }
+  }
 }
 
 }  // namespace
@@ -52,11 +83,13 @@ void decide_servos(ImportedRobot& robot, const ServoCatalogue& catalogue, Interv
   const std::string usual =
       interview.answer({"servo", "Which servo moves the joints? (koboshi servo plot shows them)",
                         usual_servo(robot), catalogue.names()});
+  decide_transmissions(robot, interview, report);
   for (ImportedJoint& joint : robot.joints) {
     const auto given = interview.given().servos.find(joint.name);
     const std::string& type = given == interview.given().servos.end() ? usual : given->second;
     if (type != usual) interview.taken.servos[joint.name] = type;
-    apply(joint, catalogue.find(type, robot.file).servo, interview, report);
+    apply(joint, sim_board::behind_gear(catalogue.find(type, robot.file).servo, joint.reduction), interview,
+          report);
   }
 }
 

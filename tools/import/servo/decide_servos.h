@@ -7,8 +7,10 @@
 
 namespace koboshi::tools {
 
-// Decides the servo of each joint: one question for all, with exceptions in `servos`. Effort and speed that
-// the servo does not have are repaired to its own.
+// Decides the servo of each joint: one question for all, with exceptions in `servos`; and whether the ratios
+// of transmissions are those of stages behind the servos or of their own gearboxes, which their types
+// include. Only the former remain in `reduction`. Effort and speed that the servo does not have are repaired
+// to its own.
 void decide_servos(ImportedRobot& robot, const ServoCatalogue& catalogue, Interview& interview,
                    ImportReport& report);
 

@@ -182,16 +182,23 @@ class RobotWriter {
         "        <xyz>{} {} {}</xyz>\n"
         "        <limit><lower>{:.6f}</lower><upper>{:.6f}</upper><velocity>{:.4g}</velocity></limit>\n"
         "      </axis>\n"
-        "      <koboshi:servo type=\"{}\"/>\n"
-        "      <koboshi:encoder bits=\"12\" noise_counts=\"0.1\"/>\n"
+        "      <koboshi:servo type=\"{}\"{}/>\n"
+        "      <koboshi:encoder bits=\"{}\" noise_counts=\"0.1\"/>\n"
         "      <koboshi:drive node_id=\"{}\" serial_number=\"{}\" sign=\"{}\" zero_rad=\"{:.6f}\"/>\n",
         xml_escaped(joint.name), name_of(joint.parent), name_of(joint.child), component(joint.axis_L.x()),
         component(joint.axis_L.y()), component(joint.axis_L.z()), *joint.lower_rad, *joint.upper_rad,
-        joint.speed_rad_per_s, xml_escaped(servo_of(joint.name)), node_id, node_id, joint.drive_sign,
-        joint.drive_zero_rad);
+        joint.speed_rad_per_s, xml_escaped(servo_of(joint.name)),
+        joint.reduction == 1.0 ? "" : fmt::format(" gear=\"{}\"", number_text(joint.reduction)),
+        encoder_bits(joint), node_id, node_id, joint.drive_sign, joint.drive_zero_rad);
     for (const char* side : {"left", "right"})
       if (joint.name == std::string(side) + "_ankle_roll") text += ankle_sensor_sdf(side, weight_N_);
     return text + "    </joint>\n";
+  }
+
+  // The servos' own encoders: behind a stage, a turn of the joint has more counts, or fewer.
+  static int encoder_bits(const ImportedJoint& joint) {
+    constexpr int kServo_bits = 12;
+    return std::clamp(kServo_bits + static_cast<int>(std::floor(std::log2(joint.reduction))), 8, 24);
   }
 
   static std::string component(double value) {

@@ -103,17 +103,29 @@ class UrdfWriter {
     const auto parent = static_cast<std::size_t>(joint.parent);
     const auto child = static_cast<std::size_t>(joint.child);
     return fmt::format(
-        "  <joint name=\"{}\" type=\"revolute\">\n"
-        "    {}\n"
-        "    <parent link=\"{}\"/>\n"
-        "    <child link=\"{}\"/>\n"
-        "    <axis xyz=\"{}\"/>\n"
-        "    <limit lower=\"{}\" upper=\"{}\" effort=\"{:.4g}\" velocity=\"{}\"/>\n"
-        "  </joint>\n",
-        xml_escaped(joint.name), origin_text(X_MF_[parent].inverse() * X_MF_[child]),
-        xml_escaped(robot_.links[parent].name), xml_escaped(robot_.links[child].name),
-        numbers(X_MF_[child].linear().transpose() * joint.axis_M), number(joint.lower_rad),
-        number(joint.upper_rad), stall_torque_Nm(joint.servo), number(joint.max_speed_rad_per_s));
+               "  <joint name=\"{}\" type=\"revolute\">\n"
+               "    {}\n"
+               "    <parent link=\"{}\"/>\n"
+               "    <child link=\"{}\"/>\n"
+               "    <axis xyz=\"{}\"/>\n"
+               "    <limit lower=\"{}\" upper=\"{}\" effort=\"{:.4g}\" velocity=\"{}\"/>\n"
+               "  </joint>\n",
+               xml_escaped(joint.name), origin_text(X_MF_[parent].inverse() * X_MF_[child]),
+               xml_escaped(robot_.links[parent].name), xml_escaped(robot_.links[child].name),
+               numbers(X_MF_[child].linear().transpose() * joint.axis_M), number(joint.lower_rad),
+               number(joint.upper_rad), stall_torque_Nm(joint.servo), number(joint.max_speed_rad_per_s)) +
+           transmission_text(joint);
+  }
+
+  static std::string transmission_text(const sim_board::JointDescription& joint) {
+    if (joint.gear == 1.0) return {};
+    return fmt::format(
+        "  <transmission name=\"{0}_transmission\">\n"
+        "    <type>transmission_interface/SimpleTransmission</type>\n"
+        "    <joint name=\"{0}\"/>\n"
+        "    <actuator name=\"{0}_servo\"><mechanicalReduction>{1}</mechanicalReduction></actuator>\n"
+        "  </transmission>\n",
+        xml_escaped(joint.name), number_text(joint.gear));
   }
 
   // Marked as text, so that no reader takes the links in it for its own. "]]>" would end it.

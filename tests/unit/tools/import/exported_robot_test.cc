@@ -128,6 +128,19 @@ TEST_F(ExportedRobotTest, ServoTypesOfLibrariesComeAlong) {
   EXPECT_EQ(after.joints.front().servo.resistance_ohm, before.joints.front().servo.resistance_ohm);
 }
 
+TEST_F(ExportedRobotTest, WritesGearsAsTransmissions) {
+  fs::copy(koboshi_.parent_path(), root_ / "kit", fs::copy_options::recursive);
+  replace_in(root_ / "kit/robot.sdf", "<koboshi:servo type=\"krs_2552\"/>",
+             "<koboshi:servo type=\"krs_2552\" gear=\"2\"/>");
+  const fs::path urdf = exported(root_ / "kit/robot.sdf");
+  const sim_board::RobotDescription robot = sim_board::load_robot(root_ / "kit/robot.sdf");
+  expect_same_robot(robot, urdf);
+  ImportReport ignored;
+  for (const ImportedJoint& joint : read_foreign_robot(urdf, ignored).joints)
+    EXPECT_EQ(joint.reduction, joint.name == robot.joints.front().name ? 2.0 : 1.0) << joint.name;
+  EXPECT_EQ(import(urdf).files.at("robot.sdf"), read_text_file(root_ / "kit/robot.sdf", "a robot"));
+}
+
 TEST_F(ExportedRobotTest, TakesValuesThatWereChangedInTheUrdf) {
   const fs::path urdf = exported(koboshi_);
   replace_in(urdf, "<mass value=\"0.36\"", "<mass value=\"0.4\"");

@@ -276,5 +276,53 @@ TEST_F(ImportRobot, RefusesAFolderThatIsSomethingElse) {
   EXPECT_NO_THROW(check_import_folder(folder_ / "new"));
 }
 
+// All joints but the left knee have actuators of their own gearboxes only.
+std::string transmissions(const char* left_knee) {
+  const auto transmission = [](const std::string& joint, const std::string& ratio) {
+    return "<transmission><joint name=\"" + joint + "\"/><actuator><mechanicalReduction>" + ratio +
+           "</mechanicalReduction></actuator></transmission>";
+  };
+  std::string text = transmission("j_n", "1") + transmission("j_h", "1");
+  for (const char* side : {"l", "r"})
+    for (const char* part : {"1", "2", "3", "4", "5", "6", "a", "b", "c"}) {
+      const std::string joint = std::string("j_") + side + part;
+      text += transmission(joint, joint == "j_l4" ? left_knee : "1");
+    }
+  return text;
+}
+
+TEST_F(ImportRobot, KeepsAStageBehindTheServo) {
+  const ImportResult result = import({.extra = transmissions("-2.5")});
+  const sim_board::RobotDescription robot = load(result);
+  const auto& left = joint(robot, "left_knee");
+  const auto& right = joint(robot, "right_knee");
+  EXPECT_EQ(left.gear, 2.5);
+  EXPECT_EQ(right.gear, 1.0);
+  EXPECT_EQ(left.servo.torque_constant_Nm_per_A, 2.5 * right.servo.torque_constant_Nm_per_A);
+  EXPECT_EQ(left.encoder.bits, right.encoder.bits + 1);
+  EXPECT_LT(left.max_speed_rad_per_s, 0.5 * right.max_speed_rad_per_s);
+  EXPECT_NE(result.files.at("import.yaml").find("transmission: outside"), std::string::npos);
+  EXPECT_TRUE(has_line(result.report.normalised, "left_knee: a transmission of 2.5 : 1 behind the servo"));
+}
+
+TEST_F(ImportRobot, TakesAGearboxForThatOfTheServo) {
+  const ImportResult result = import({.extra = transmissions("193")});
+  EXPECT_EQ(joint(load(result), "left_knee").gear, 1.0);
+  EXPECT_TRUE(has_line(result.report.normalised, "left_knee: a transmission of 193 : 1 in the servo"));
+  ImportDecisions outside;
+  outside.answers["transmission"] = "outside";
+  EXPECT_THROW(static_cast<void>(import({.extra = transmissions("193")}, outside)), InputError);
+  EXPECT_THROW(static_cast<void>(import({.extra = transmissions("0")})), InputError);
+}
+
+TEST_F(ImportRobot, WarnsOfAMimicOfAJointThatDoesNotExist) {
+  KitRobot kit;
+  kit.extra =
+      "<link name=\"jaw\"/><joint name=\"j_jaw\" type=\"revolute\"><parent link=\"h\"/><child "
+      "link=\"jaw\"/><axis xyz=\"0 1 0\"/><limit lower=\"0\" upper=\"1\"/><mimic "
+      "joint=\"nobody\"/></joint>";
+  EXPECT_TRUE(has_line(import(kit).report.warnings, "j_jaw mimics nobody, which does not exist"));
+}
+
 }  // namespace
 }  // namespace koboshi::tools
