@@ -121,7 +121,9 @@ void RunRecorder::judge() {
 
 void RunRecorder::watch_self_contacts() {
   const Telemetry& told = telemetry_.now();
-  if (!is_on_its_feet(told.state, *truth_now_)) return;
+  const bool is_upright_by_command =
+      told.state == behaviour::State::kSoftStart || behaviour::kOnItsFeet.contains(told.state);
+  if (!is_upright_by_command || truth_now_->tilt_rad > kUpAgain_rad) return;
   const auto contact = self_contacts_.observe(simulation_.board().world(), told);
   if (!contact) return;
   const sim_board::RobotDescription& robot = simulation_.robot();

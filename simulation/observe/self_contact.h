@@ -21,7 +21,7 @@ struct SelfContact {
   double following_error_rad = 0.0;  // of this joint at the last tick of the contact: position minus target
 };
 
-// Watches for links that touch each other while the robot is on its feet. One link may stop another short of
+// Watches for links that touch each other. One link may stop another short of
 // its target; the joint between them then has a constant following error, which nothing on the bus explains.
 class SelfContacts {
  public:
@@ -31,7 +31,7 @@ class SelfContacts {
 
   explicit SelfContacts(const sim_board::RobotDescription& robot);
 
-  // Observes a tick of kTick_us. Returns a contact that has now lasted kReported_us, once for each pair of
+  // Observes a tick of kTick_us, in a state in which links should not touch. Returns a contact that has now lasted kReported_us, once for each pair of
   // links.
   std::optional<SelfContact> observe(const sim_board::World& world, const Telemetry& said);
   void archive(sim_board::StateArchive& archive) { archive(contacts_); }
