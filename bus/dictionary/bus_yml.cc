@@ -106,8 +106,7 @@ std::string_view eds_of(sim_board::SensorKind kind) {
 // A sensor runs with its defaults; the controller does not monitor its heartbeat.
 void add_sensor(std::string& text, std::string_view name, sim_board::SensorKind kind, std::uint8_t node_id) {
   const canopen::NodeDescription node = sim_board::sensor_node_description(kind);
-  add_identity(text, name, eds_of(kind), node_id,
-               node.revision_number, node_id);
+  add_identity(text, name, eds_of(kind), node_id, node.revision_number, node_id);
   fmt::format_to(Text(text), "  heartbeat_producer: {}  # ms\n", node.heartbeat_ms);
 }
 

@@ -188,7 +188,8 @@ void add_sensors(Builder& builder, const sim_board::RobotDescription& robot) {
   if (robot.left_ankle)
     add_sensor(builder, ankle_kind(robot.ankle_kind()), {sim_board::kLeftAnkleNode, robot.left_ankle->name});
   if (robot.right_ankle)
-    add_sensor(builder, ankle_kind(robot.ankle_kind()), {sim_board::kRightAnkleNode, robot.right_ankle->name});
+    add_sensor(builder, ankle_kind(robot.ankle_kind()),
+               {sim_board::kRightAnkleNode, robot.right_ankle->name});
 }
 
 }  // namespace

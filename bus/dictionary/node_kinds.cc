@@ -86,8 +86,8 @@ NodeKind ankle_kind(hal::AnkleKind kind) {
 }
 
 std::vector<NodeKind> documented_kinds(const robot::RobotModel& robot, const app::ControllerValues& values) {
-  return {controller_kind(robot, values), drive_kind(), inertial_kind(),
-          ankle_kind(),                         pressure_cells_kind(), contact_switch_kind()};
+  return {controller_kind(robot, values), drive_kind(),         inertial_kind(), ankle_kind(),
+          pressure_cells_kind(),          contact_switch_kind()};
 }
 
 }  // namespace koboshi::tools

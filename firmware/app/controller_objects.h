@@ -58,9 +58,10 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Rate", .unit = kRateUnit, .elements = canopen::kAxes}},
     {OBJECT(0x2010, 6, attitude.acceleration[0], kReadOnly, kTpdo).repeated(3, 2),
      {.name = "Acceleration", .unit = kAccelerationUnit, .elements = canopen::kAxes}},
-    canopen::heading(0x2011, "Balance",
-                     "Zero moment point and centre of mass. A ZMP that is not valid is zero; one that the robot's "
-                     "sensors never measure is -32768."),
+    canopen::heading(
+        0x2011, "Balance",
+        "Zero moment point and centre of mass. A ZMP that is not valid is zero; one that the robot's "
+        "sensors never measure is -32768."),
     {OBJECT(0x2011, 1, balance.foot_zmp[0][0], kReadOnly, kTpdo).repeated(4, 2),
      {.name = "ZMP",
       .unit = kLengthUnit,
@@ -268,8 +269,9 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
       .comment = "Shoulder angle per distance by which the opposite foot leads."}},
     {OBJECT(0x2131, 9, walk.posture.fixed_upper_body, kReadWrite).within(0, 1),
      {.name = "Fixed upper body",
-      .comment = "1: the plan of the centre of mass takes waist, arms and head at joint angles zero; 0: where "
-                 "they are."}},
+      .comment =
+          "1: the plan of the centre of mass takes waist, arms and head at joint angles zero; 0: where "
+          "they are."}},
     canopen::heading(0x2132, "Walking reactions", "In force when the robot begins to walk the next time.",
                      kAtNextWalk),
     {OBJECT(0x2132, 1, walk.reaction.capture_forward, kReadWrite).within(0, 1500),
@@ -355,10 +357,11 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
                  "torque."}},
     {OBJECT(0x2201, 0, lost_abilities, kReadOnly),
      {.name = "Lost abilities",
-      .comment = "What this robot's body and sensors cannot do. Bit 0: measure the ZMP; 1: measure the load of "
-                 "each foot; 2: sense the contact of each foot, which then comes from the torques of the legs; "
-                 "3: end a step at an early touchdown; 4: walk by command; 5: turn while walking; 6: swing the "
-                 "arms while walking."}},
+      .comment =
+          "What this robot's body and sensors cannot do. Bit 0: measure the ZMP; 1: measure the load of "
+          "each foot; 2: sense the contact of each foot, which then comes from the torques of the legs; "
+          "3: end a step at an early touchdown; 4: walk by command; 5: turn while walking; 6: swing the "
+          "arms while walking."}},
     // Process data of the drives, in their own units (CiA 402), by joint.
     canopen::heading(0x2300, "Drive controlwords"),
     {OBJECT(0x2300, 1, drives.controlword[0], kReadOnly, kTpdo).repeated(kJoints, 2),

@@ -39,7 +39,7 @@ void show(const estimation::RobotState& robot, ControllerValues& values) {
 
   auto& balance = values.balance;
   // A robot that never measures a ZMP has no value, which is not the same as an origin under no load.
-  const auto show_zmp = [&](fixed::Length x, fixed::Length y, std::int16_t (&shown)[2]) {
+  const auto show_zmp = [&](fixed::Length x, fixed::Length y, std::int16_t(&shown)[2]) {
     shown[0] = robot.measures_loads ? narrow(x) : kNoLength;
     shown[1] = robot.measures_loads ? narrow(y) : kNoLength;
   };

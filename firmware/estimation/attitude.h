@@ -5,8 +5,9 @@
 
 namespace koboshi::estimation {
 
-// Return the attitude of a trunk by its direction against gravity, as roll about x after pitch about y: positive
-// pitch leans forward, positive roll leans to the right. Roll is in [-1/2, 1/2) turn, pitch in [-1/4, 1/4] turn.
+// Return the attitude of a trunk by its direction against gravity, as roll about x after pitch about y:
+// positive pitch leans forward, positive roll leans to the right. Roll is in [-1/2, 1/2) turn, pitch in
+// [-1/4, 1/4] turn.
 [[nodiscard]] fixed::Angle roll_of(const robot::Direction& up_B);
 [[nodiscard]] fixed::Angle pitch_of(const robot::Direction& up_B);
 

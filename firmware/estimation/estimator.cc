@@ -95,8 +95,7 @@ void Estimator::convert_to_trunk(std::span<const fixed::Angle> angles) {
   state_.pitch = pitch_of(state_.up_B);
 }
 
-void Estimator::update_balance(std::span<const fixed::Angle> angles,
-                               const LegEvidence& legs) {
+void Estimator::update_balance(std::span<const fixed::Angle> angles, const LegEvidence& legs) {
   const Posture posture = posture_at(model_, angles);
   update_feet(legs);
   state_.zmp = combine(state_.feet, posture);
@@ -124,7 +123,9 @@ void Estimator::update_ages(std::uint64_t now_us) {
   state_.inertial_age_us = inertial_us ? age_us(now_us, *inertial_us) : RobotState::kNever;
   const bool has_sensors = model_.ankle_kind != hal::AnkleKind::kNone;
   for (std::size_t foot = 0; foot < ankle_us_.size(); ++foot)
-    state_.ankle_age_us[foot] = !has_sensors    ? 0 : ankle_us_[foot] ? age_us(now_us, *ankle_us_[foot]) : RobotState::kNever;
+    state_.ankle_age_us[foot] = !has_sensors      ? 0
+                                : ankle_us_[foot] ? age_us(now_us, *ankle_us_[foot])
+                                                  : RobotState::kNever;
 }
 
 }  // namespace koboshi::estimation

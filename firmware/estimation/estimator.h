@@ -42,8 +42,8 @@ class Estimator {
   void add(hal::Side side, const hal::AnkleSample& sample, std::uint64_t now_us);
 
   // Computes the state of a control cycle of 10 ms. `angles`: measured, one for each joint. `rests`: the
-  // drives make no torque. `legs`: for a robot without sensors in its feet. The reference stays valid until the
-  // next call.
+  // drives make no torque. `legs`: for a robot without sensors in its feet. The reference stays valid until
+  // the next call.
   const RobotState& update(std::span<const fixed::Angle> angles, bool rests, std::uint64_t now_us,
                            const LegEvidence& legs = {});
   // Returns the state of the last cycle.

@@ -22,8 +22,8 @@ inline constexpr fixed::BiquadCoefficients kInertialLowPass{
 };
 
 // Converts the samples of the inertial unit I to filtered rates and specific forces in axes of the link that
-// carries it, which at joint zero are those of the trunk B; InertialLink converts them further where that link
-// is not the trunk.
+// carries it, which at joint zero are those of the trunk B; InertialLink converts them further where that
+// link is not the trunk.
 class InertialSensor {
  public:
   using Rates = robot::Vector<fixed::AngularRate>;

@@ -7,9 +7,9 @@
 
 namespace koboshi::estimation {
 
-// The pose and the speed of the link L that carries the inertial unit, relative to the trunk B, from the angles
-// of the joints between them: a unit above the waist while the trunk is the pelvis, or one in the head. With
-// the axes a_i of these joints and their speeds q'_i,
+// The pose and the speed of the link L that carries the inertial unit, relative to the trunk B, from the
+// angles of the joints between them: a unit above the waist while the trunk is the pelvis, or one in the
+// head. With the axes a_i of these joints and their speeds q'_i,
 //
 //   w_WB_B = R_BL w_WL_L - w_BL_B,   w_BL_B = sum_i R_Bi a_i q'_i.
 //

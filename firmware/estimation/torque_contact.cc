@@ -10,7 +10,8 @@ const hal::BySide<bool>& TorqueContact::update(const LegEvidence& evidence) {
   for (std::size_t side = 0; side < efforts_.size(); ++side) {
     std::int32_t sum = 0;
     for (std::size_t joint = 0; joint < torques_permille.size(); ++joint)
-      if ((joints_[side] >> joint & 1u) != 0) sum += torques_permille[joint] < 0 ? -torques_permille[joint] : torques_permille[joint];
+      if ((joints_[side] >> joint & 1u) != 0)
+        sum += torques_permille[joint] < 0 ? -torques_permille[joint] : torques_permille[joint];
     efforts_[side] += ((sum << kFractionBits) - efforts_[side]) / kSmoothing;
   }
   if (evidence.walks) {

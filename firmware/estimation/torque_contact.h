@@ -18,16 +18,17 @@ struct LegEvidence {
 
 // Tells which feet bear a robot without sensors in its feet, from torques and time.
 //
-// In a walk the swing leg accelerates, and its torques are as large as those of the support leg. The time tells
-// then: the foot that the plan has in the air is not in contact. At other times the torques tell. The effort of a leg is the sum of the magnitudes of its drives' torques, in permille of
-// their rated torque, through a first-order low-pass. A leg in the air carries itself only, so that its share of
-// both efforts is small:
+// In a walk the swing leg accelerates, and its torques are as large as those of the support leg. The time
+// tells then: the foot that the plan has in the air is not in contact. At other times the torques tell. The
+// effort of a leg is the sum of the magnitudes of its drives' torques, in permille of their rated torque,
+// through a first-order low-pass. A leg in the air carries itself only, so that its share of both efforts is
+// small:
 //
 //   effort += (sum - effort) / kSmoothing,   share = effort / (effort + effort of the other leg).
 //
-// A foot loses contact when its share falls below kLost, and has it again above kRegained. At least one foot is
-// always in contact, and both are while the efforts are too small to tell: a robot that is limp or stands on
-// straight legs.
+// A foot loses contact when its share falls below kLost, and has it again above kRegained. At least one foot
+// is always in contact, and both are while the efforts are too small to tell: a robot that is limp or stands
+// on straight legs.
 class TorqueContact {
  public:
   // All by hand, 2026-11-27.

@@ -67,8 +67,12 @@ FootSensor::Counts FootSensor::wrench(const hal::AnkleSample& sample) const {
     return fixed::saturate<std::int16_t>(
         fixed::divide_rounded(std::int64_t{torque.raw()} * (1 << 15), model_.scales.ankle_torque.raw()));
   };
-  return {0, 0, fixed::saturate<std::int16_t>(fixed::divide_rounded(sum, 4)), torque_counts(torque_x),
-          torque_counts(torque_y), 0};
+  return {0,
+          0,
+          fixed::saturate<std::int16_t>(fixed::divide_rounded(sum, 4)),
+          torque_counts(torque_x),
+          torque_counts(torque_y),
+          0};
 }
 
 FootPressure FootSensor::pressure(std::span<const std::int16_t, 6> counts) const {

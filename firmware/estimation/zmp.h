@@ -13,7 +13,7 @@ namespace koboshi::estimation {
 
 // The ground reaction on one foot.
 struct FootPressure {
-  fixed::Force load;   // normal to the sole, the foot's weight included; sensor errors may make it negative
+  fixed::Force load;     // normal to the sole, the foot's weight included; sensor errors may make it negative
   bool contact = false;  // the load is at least a twelfth of the robot's weight
   bool valid = false;    // in contact, and the sensor measures the ZMP
   fixed::Length x;       // of the ZMP in the sole's frame; zero unless valid
@@ -53,12 +53,13 @@ class FootSensor {
   // A count of a quantity that the sensor does not measure.
   static constexpr std::int16_t kNoCount = std::numeric_limits<std::int16_t>::min();
 
-  // Returns the wrench of a sample, as `pressure` takes it: that of a six-axis sensor itself, that of pressure
-  // cells about the sole's origin; kNoCount for all other kinds.
+  // Returns the wrench of a sample, as `pressure` takes it: that of a six-axis sensor itself, that of
+  // pressure cells about the sole's origin; kNoCount for all other kinds.
   Counts wrench(const hal::AnkleSample& sample) const;
-  // Computes load and ZMP of a sensor that measures them. `counts`: the sensor's reading in its axes, force x, y, z, then torque x, y, z,
-  // exerted by the ground side on the shank side. The result is rounded once, besides the scaling to LSB of
-  // Force and Torque: on the default robot at most 1 um off the formula, at the minimum load.
+  // Computes load and ZMP of a sensor that measures them. `counts`: the sensor's reading in its axes, force
+  // x, y, z, then torque x, y, z, exerted by the ground side on the shank side. The result is rounded once,
+  // besides the scaling to LSB of Force and Torque: on the default robot at most 1 um off the formula, at the
+  // minimum load.
   FootPressure pressure(std::span<const std::int16_t, 6> counts) const;
 
  private:

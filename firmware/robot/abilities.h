@@ -6,8 +6,8 @@
 
 namespace koboshi::robot {
 
-// What a robot of this project can do unless its body or sensors lack something; the value is the bit of object
-// 0x2201.
+// What a robot of this project can do unless its body or sensors lack something; the value is the bit of
+// object 0x2201.
 enum class Ability : std::uint8_t {
   kZmp = 0,             // measures the ZMP
   kFootLoads = 1,       // measures the load of each foot; else only the contact is known

@@ -43,7 +43,8 @@ struct LegGeometry {
   int scale = 0;
 };
 
-// Returns +1 where the axis of a leg joint is nearest to +z, +x or +y, as its place in the leg has it; else -1.
+// Returns +1 where the axis of a leg joint is nearest to +z, +x or +y, as its place in the leg has it; else
+// -1.
 [[nodiscard]] std::int8_t leg_sign(const Joint& joint, LegJoint place);
 
 // Computes the geometry of a leg. Returns false if a joint other than the hip yaw is missing, if the joints

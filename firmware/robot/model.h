@@ -121,8 +121,8 @@ struct RobotModel {
   fixed::Mass base_mass;                       // above 0, at most kMaxLinkMass
   Position base_centre_of_mass;                // in B; at most kMaxOffset in each coordinate
   fixed::Length body_height;  // from sole to crown at joint zero; above 0, at most 2 * kMaxOffset
-  Rotation R_BI;      // from axes of the inertial unit I to those of B at joint zero, and always to those of
-                      // the link that carries it
+  Rotation R_BI;       // from axes of the inertial unit I to those of B at joint zero, and always to those of
+                       // the link that carries it
   LinkIndex imu_link;  // that link
   hal::AnkleKind ankle_kind = hal::AnkleKind::kSixAxis;
   SensorScales scales;
@@ -159,8 +159,8 @@ enum class [[nodiscard]] ModelStatus : std::uint8_t{
     kDuplicateNodeId = 12,
     kDuplicateRole = 13,
     kBadMirror = 14,  // the mirror image of a joint's mirror image is not the joint
-    kBadLeg = 15,  // no joint of a leg, or one with all but perhaps the hip yaw that make_leg_geometry()
-                   // refuses (leg.h)
+    kBadLeg = 15,     // no joint of a leg, or one with all but perhaps the hip yaw that make_leg_geometry()
+                      // refuses (leg.h)
 };
 
 // Decodes and validates a model image (docs/reference/robot-model-format.md). On failure `model` is

@@ -95,7 +95,8 @@ bool in_range(const Foot& foot) {
   return in_range(foot.ankle_height) && in_range(foot.sensor) && in_range(foot.back) &&
          in_range(foot.front) && in_range(foot.right) && in_range(foot.left) &&
          foot.ankle_height >= Length() && foot.back < foot.front && foot.right < foot.left &&
-         std::ranges::all_of(foot.cells, [](const Cell& cell) { return in_range(cell.x) && in_range(cell.y); });
+         std::ranges::all_of(foot.cells,
+                             [](const Cell& cell) { return in_range(cell.x) && in_range(cell.y); });
 }
 
 // The sum of all links stays within Mass.

@@ -72,13 +72,13 @@ class Body {
   hal::BySide<robot::LegGeometry> legs_{};
   hal::BySide<robot::LegAngles> solutions_{};  // of the last cycle, without compensation
   bool is_solved_ = false;
-  std::uint32_t upper_joints_ = 0;  // of waist, arms and head; bit i: joint i
+  std::uint32_t upper_joints_ = 0;                            // of waist, arms and head; bit i: joint i
   std::array<robot::Position, robot::kMaxJoints> moments_{};  // m_i c_i + sum_j n_j a_j
   robot::Position hanging_moment_;                            // of the upper body at joint zero
   robot::Position hanging_B_;                                 // k_0
   robot::Position constant_B_;                                // k
-  fixed::Ratio foot_share_;     // mu
-  fixed::Ratio inverse_share_;  // 1 / (1 - 2 mu)
+  fixed::Ratio foot_share_;                                   // mu
+  fixed::Ratio inverse_share_;                                // 1 / (1 - 2 mu)
 };
 
 }  // namespace koboshi::walk

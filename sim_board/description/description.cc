@@ -65,7 +65,8 @@ std::optional<int> RobotDescription::foot_joint(hal::Side side) const {
   std::optional<int> foot;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     if (!in_leg(joints[i])) continue;
-    if (!foot || depth(joints[i]) > depth(joints[static_cast<std::size_t>(*foot)])) foot = static_cast<int>(i);
+    if (!foot || depth(joints[i]) > depth(joints[static_cast<std::size_t>(*foot)]))
+      foot = static_cast<int>(i);
   }
   return foot;
 }

@@ -217,17 +217,17 @@ struct ImuDescription {
   double g_sensitivity = 0.0;        // bound of a gyro axis' g-sensitivity, rad/s per m/s^2
 };
 
-// Sensor of a foot; frame S is at the sensor. Six axes, between shank side and ground side, measure the wrench
-// across `joint` and below. Pressure cells and a contact switch are in the sole.
+// Sensor of a foot; frame S is at the sensor. Six axes, between shank side and ground side, measure the
+// wrench across `joint` and below. Pressure cells and a contact switch are in the sole.
 struct AnkleSensorDescription {
   hal::AnkleKind kind = hal::AnkleKind::kSixAxis;  // not kNone
   std::string name;
-  int line = 0;                                            // in the file; 0: not from a file
-  int joint = -1;                                          // the hinge whose child is the foot
-  Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();  // in the foot link's frame
-  double height_above_sole_m = 0.0;                        // d of the paper's equation 1
-  ChannelDescription force;                                // N; of a cell; of a switch, its contact
-  ChannelDescription torque;                               // N m; of six axes only
+  int line = 0;                                                  // in the file; 0: not from a file
+  int joint = -1;                                                // the hinge whose child is the foot
+  Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();        // in the foot link's frame
+  double height_above_sole_m = 0.0;                              // d of the paper's equation 1
+  ChannelDescription force;                                      // N; of a cell; of a switch, its contact
+  ChannelDescription torque;                                     // N m; of six axes only
   std::array<Eigen::Vector2d, hal::kPressureCells> cells_S_m{};  // of pressure cells
   double closing_force_N = 0.0;                                  // of a switch; it opens at half of it
   double crosstalk = 0.0;  // bound of the crosstalk from torque to force and back, as a share of the ranges

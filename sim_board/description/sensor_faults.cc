@@ -89,8 +89,8 @@ void find_sensor_faults(const XmlNode& sensor, FaultList& faults) {
   find_jitter_faults(sensor, faults);
   find_delay_faults(sensor, "koboshi:gyro", "koboshi:accelerometer", faults);
   find_delay_faults(sensor, "koboshi:force", "koboshi:torque", faults);
-  for (const char* name : {"koboshi:gyro", "koboshi:accelerometer", "koboshi:force", "koboshi:torque",
-                           "koboshi:cell_force"})
+  for (const char* name :
+       {"koboshi:gyro", "koboshi:accelerometer", "koboshi:force", "koboshi:torque", "koboshi:cell_force"})
     if (const auto channel = sensor.find(name)) find_count_faults(*channel, faults);
 }
 

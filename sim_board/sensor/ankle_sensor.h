@@ -12,10 +12,10 @@
 
 namespace koboshi::sim_board {
 
-// Sensor of a foot. Six axes, below the joint that connects the foot to the shank, measure the wrench that the
-// ground side exerts on the shank side, in the sensor's frame S about its origin: f_z > 0 when the robot stands
-// on the foot. Pressure cells and a contact switch are in the sole and measure the ground's force normal to it,
-// the foot's own weight included.
+// Sensor of a foot. Six axes, below the joint that connects the foot to the shank, measure the wrench that
+// the ground side exerts on the shank side, in the sensor's frame S about its origin: f_z > 0 when the robot
+// stands on the foot. Pressure cells and a contact switch are in the sole and measure the ground's force
+// normal to it, the foot's own weight included.
 class AnkleSensor {
  public:
   // `robot` contains the description's joint and the foot, its child, and must outlive the sensor. Throws as

@@ -29,8 +29,8 @@ struct SensorValues {
   std::int16_t torque[3] = {};              // 0x2021: same, about the sensor's origin
   std::int16_t cells[hal::kPressureCells] = {};  // 0x7100: force of each cell, as CiA 404 has analogue inputs
   std::uint8_t contact = 0;                      // 0x6000: bit 0, as CiA 401 has digital inputs
-  std::uint32_t time_ms = 0;                // 0x2003: after midnight, by the last TIME message
-  std::uint16_t time_days = 0;              // since 1 January 1984
+  std::uint32_t time_ms = 0;                     // 0x2003: after midnight, by the last TIME message
+  std::uint16_t time_days = 0;                   // since 1 January 1984
 };
 
 // Event timer of the inertial unit's PDOs. An ankle sensor sends its PDOs at each SYNC.

@@ -102,7 +102,8 @@ double cell_torque_scale_Nm(const robot::RobotModel& model, double force_scale_N
   double longest_m = 0.0;
   for (const robot::Foot& foot : model.feet)
     for (const robot::Cell& cell : foot.cells)
-      longest_m = std::max({longest_m, std::abs(fixed::to_double(cell.x)), std::abs(fixed::to_double(cell.y))});
+      longest_m =
+          std::max({longest_m, std::abs(fixed::to_double(cell.x)), std::abs(fixed::to_double(cell.y))});
   return force_scale_N * longest_m;
 }
 

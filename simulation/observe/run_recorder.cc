@@ -148,7 +148,8 @@ RunSummary RunRecorder::summary() const {
   summary.stepper = sim_board::name_of(simulation_.scenario().physics.stepper);
   summary.base_height_error_max_m = base_height_error_m_;
   summary.foot_slip_max_m = foot_slip_m_;
-  for (const LostAbility& lost : find_lost_abilities(simulation_.model().model)) summary.lost_abilities.push_back(lost.name);
+  for (const LostAbility& lost : find_lost_abilities(simulation_.model().model))
+    summary.lost_abilities.push_back(lost.name);
   if (walk_) summary.walk = walk_->summary();
   return summary;
 }

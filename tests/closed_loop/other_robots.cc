@@ -131,7 +131,8 @@ std::string with_waist(std::string robot) {
   // The pelvis keeps the hips, the battery and its board; the chest has the rest of the trunk's mass.
   replace(robot, "<mass>0.36</mass>", "<mass>0.2</mass>");
   for (const char* joint : {"left_shoulder_pitch", "right_shoulder_pitch", "head_pan"}) {
-    const auto place = robot.find("<parent>trunk</parent>", robot.find(std::string("<joint name=\"") + joint));
+    const auto place =
+        robot.find("<parent>trunk</parent>", robot.find(std::string("<joint name=\"") + joint));
     robot.replace(place, std::string("<parent>trunk</parent>").size(), "<parent>chest</parent>");
   }
   add(robot, {"waist_yaw", "", "trunk", "waist_yaw_link", "0 0 0.07 0 0 0", "0 0 1", 0.01, 0.0, 39});
@@ -146,10 +147,10 @@ std::string with_longer_arms(std::string robot) {
     const auto elbow = robot.find("<joint name=\"" + side + "_elbow\"");
     const std::string parent = "<parent>" + side + "_upper_arm</parent>";
     robot.replace(robot.find(parent, elbow), parent.size(), "<parent>" + side + "_arm_yaw</parent>");
-    add(robot, {side + "_shoulder_yaw", "", side + "_upper_arm", side + "_arm_yaw", "0 0 -0.03 0 0 0", "0 0 1",
-                0.008, 0.0, node_id++});
-    add(robot, {side + "_wrist_yaw", "", side + "_forearm", side + "_wrist", "0 0 -0.08 0 0 0", "0 0 1", 0.006,
-                0.0, node_id++});
+    add(robot, {side + "_shoulder_yaw", "", side + "_upper_arm", side + "_arm_yaw", "0 0 -0.03 0 0 0",
+                "0 0 1", 0.008, 0.0, node_id++});
+    add(robot, {side + "_wrist_yaw", "", side + "_forearm", side + "_wrist", "0 0 -0.08 0 0 0", "0 0 1",
+                0.006, 0.0, node_id++});
     add(robot, {side + "_wrist_pitch", "", side + "_wrist", side + "_hand", "0 0 -0.01 0 0 0", "0 1 0", 0.006,
                 -0.01, node_id++});
     add(robot, {side + "_gripper", "", side + "_hand", side + "_finger", "0 0 -0.02 0 0 0", "1 0 0", 0.003,
@@ -175,10 +176,17 @@ std::string four_joints() {
   int node_id = 16;
   for (const std::string side : kSides) {
     const std::string y = side == "left" ? "0.035" : "-0.035";
-    const Part hip{side + "_hip_yaw", "", "trunk", side + "_leg", "0 " + y + " 0 0 0 0", "0 0 1", 0.05, -0.02,
-                   node_id++};
-    const Part ankle{side + "_ankle_roll", "",    side + "_leg", side + "_foot", "0 0 -0.05 0 0 0",
-                     "1 0 0",              0.05, -0.025,        node_id++};
+    const Part hip{side + "_hip_yaw", "",   "trunk", side + "_leg", "0 " + y + " 0 0 0 0",
+                   "0 0 1",           0.05, -0.02,   node_id++};
+    const Part ankle{side + "_ankle_roll",
+                     "",
+                     side + "_leg",
+                     side + "_foot",
+                     "0 0 -0.05 0 0 0",
+                     "1 0 0",
+                     0.05,
+                     -0.025,
+                     node_id++};
     std::string foot = link_text(ankle);
     insert_before(foot, "</link>", fmt::format(fmt::runtime(kBox), "0 0 -0.025 0 0 0", "0.1 0.056 0.01"));
     robot += link_text(hip) + foot + joint_text(hip) + joint_text(ankle);
@@ -194,15 +202,17 @@ void write_robot(const std::filesystem::path& folder, const std::string& robot, 
   std::string stand = read(koboshi / "motions/stand.yaml");
   std::string parameters = read(koboshi / "parameters.yaml");
   if (walks) {
-    replace(parameters, "fixed_upper_body: 1", fixed_upper_body ? "fixed_upper_body: 1" : "fixed_upper_body: 0");
+    replace(parameters, "fixed_upper_body: 1",
+            fixed_upper_body ? "fixed_upper_body: 1" : "fixed_upper_body: 0");
     std::filesystem::copy_file(koboshi / "standing.yaml", folder / "standing.yaml",
                                std::filesystem::copy_options::overwrite_existing);
   } else {
     parameters =
         "version: 1\nrobot: koboshi\nparameters:\n  lowest_supply_mV: 6000\n  highest_supply_mV: 9000\n"
         "  ramp_rate_deg_per_s: 60\n";
-    stand = "version: 1\nrobot: koboshi\nname: stand\nposes:\n  stand: {others: zero}\n"
-            "steps:\n  - {pose: stand, time_s: 1.5}\n";
+    stand =
+        "version: 1\nrobot: koboshi\nname: stand\nposes:\n  stand: {others: zero}\n"
+        "steps:\n  - {pose: stand, time_s: 1.5}\n";
   }
   std::ofstream(folder / "parameters.yaml") << parameters;
   std::ofstream(folder / "motions/stand.yaml") << stand;

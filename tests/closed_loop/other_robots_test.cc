@@ -11,9 +11,9 @@
 #include "simulation/model/robot_model.h"
 #include "simulation/observe/run_recorder.h"
 #include "simulation/scenario/reader.h"
+#include "tests/closed_loop/other_robots.h"
 #include "tests/closed_loop/pc.h"
 #include "tests/closed_loop/run.h"
-#include "tests/closed_loop/other_robots.h"
 #include "tests/support/temporary_folder.h"
 
 namespace koboshi::test {
@@ -29,8 +29,9 @@ class OtherRobots : public testing::Test {
     std::string text = "version: 1\nrobot: " + (folder_.path / "robot.sdf").string() +
                        "\nmotions: [stand]\nduration_s: 7.5\nseed: 1\nphysics: {stepper: lumped}\n";
     if (walks) {
-      text += "parameter_file: standing\ninitial:\n  held_until_s: 3.5\n  joints_deg: {hip_roll: 4, hip_pitch: "
-              "-16, knee: 44, ankle_pitch: -28, ankle_roll: -4}\n";
+      text +=
+          "parameter_file: standing\ninitial:\n  held_until_s: 3.5\n  joints_deg: {hip_roll: 4, hip_pitch: "
+          "-16, knee: 44, ankle_pitch: -28, ankle_roll: -4}\n";
     } else {
       text += "initial: {held_until_s: 3.5}\n";
     }

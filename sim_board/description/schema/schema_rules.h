@@ -119,8 +119,8 @@ inline XmlRule pose_rule(const std::string& frame) {
 XmlRule frame_rule();
 XmlRule link_rule();
 XmlRule joint_rule();
-XmlRule imu_rule();           // a link's sensor
-XmlRule ankle_rule();         // a joint's sensor
+XmlRule imu_rule();    // a link's sensor
+XmlRule ankle_rule();  // a joint's sensor
 XmlRule servo_type_rule();
 
 }  // namespace koboshi::sim_board

@@ -8,8 +8,7 @@ namespace {
 using enum XmlCount;
 
 // `unit`: of the channel's values.
-XmlRule channel(std::string name, const std::string& unit, std::string meaning,
-                XmlCount count = kRequired) {
+XmlRule channel(std::string name, const std::string& unit, std::string meaning, XmlCount count = kRequired) {
   return group_rule(
       std::move(name), count, {.meaning = std::move(meaning), .source = kSensorPage},
       {number_rule(
@@ -77,11 +76,12 @@ XmlRule imu_rule() {
 XmlRule ankle_rule() {
   return group_rule(
       "sensor", kRepeated,
-      {.meaning = "sensor of a foot, on the joint that carries it; one of the same type on each side, or none. "
-                  "force_torque: six axes between shank and sole, with the three keys force_torque, "
-                  "koboshi:force and koboshi:torque; koboshi:pressure_cells: four cells in the sole, with "
-                  "koboshi:cell four times and koboshi:cell_force; koboshi:contact_switch: a switch in the sole, "
-                  "with koboshi:closing_force_N",
+      {.meaning =
+           "sensor of a foot, on the joint that carries it; one of the same type on each side, or none. "
+           "force_torque: six axes between shank and sole, with the three keys force_torque, "
+           "koboshi:force and koboshi:torque; koboshi:pressure_cells: four cells in the sole, with "
+           "koboshi:cell four times and koboshi:cell_force; koboshi:contact_switch: a switch in the sole, "
+           "with koboshi:closing_force_N",
        .source = kSensorPage},
       {fixed_pose_rule("the joint's frame"), update_rate(), jitter(),
        group_rule(
@@ -95,9 +95,9 @@ XmlRule ankle_rule() {
        numbers_rule("koboshi:cell", kRepeated, 2, {.min = -1, .max = 1},
                     {"m", "", "x and y of a pressure cell in the sensor's frame", kSensorPage}),
        channel("koboshi:cell_force", "N", "force of a pressure cell; never below zero", kOptional),
-       number_rule("koboshi:closing_force_N", kOptional, {.min = 1e-3, .max = 1e3},
-                   {"N", "", "load of the foot at which the switch closes; it opens at half of it",
-                    kSensorPage}),
+       number_rule(
+           "koboshi:closing_force_N", kOptional, {.min = 1e-3, .max = 1e3},
+           {"N", "", "load of the foot at which the switch closes; it opens at half of it", kSensorPage}),
        number_rule("koboshi:crosstalk", kOptional, kErrorShareRange,
                    {"1", "0",
                     "largest output of a force axis, as a share of its range, for a torque at its range, "

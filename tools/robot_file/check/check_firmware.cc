@@ -28,8 +28,7 @@ void check_firmware(CheckedModel& model) {
   try {
     const simulation::RobotParameters parameters = simulation::read_robot_parameters(model.robot.file);
     simulation::check(parameters, model.robot);
-    static_cast<void>(
-        simulation::compile_robot_parameters(parameters, named.model));
+    static_cast<void>(simulation::compile_robot_parameters(parameters, named.model));
   } catch (const InputError& error) {
     add_error(model, "R029", error);
     model.last().file = error.file();

@@ -159,8 +159,7 @@ TEST_F(RobotModelImageTest, KeepsTheSignOfALimitOfHalfATurn) {
 TEST_F(RobotModelImageTest, RejectsRobotsThatItCannotExpress) {
   EXPECT_THAT(refusal([](auto& r) { r.imu.reset(); }),
               HasSubstr("found no inertial unit, expected one in any link"));
-  EXPECT_THAT(refusal([](auto& r) { r.left_ankle.reset(); }),
-              HasSubstr("a sensor in one ankle only"));
+  EXPECT_THAT(refusal([](auto& r) { r.left_ankle.reset(); }), HasSubstr("a sensor in one ankle only"));
   EXPECT_THAT(refusal([](auto& r) { r.left_ankle->height_above_sole_m += 0.001; }),
               HasSubstr("at another height"));
   EXPECT_THAT(refusal([](auto& r) { r.left_ankle->force.resolution *= 2; }),

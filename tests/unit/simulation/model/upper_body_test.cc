@@ -66,8 +66,8 @@ TEST_F(UpperBody, Has31JointsWhoseCentreOfMassIsThatOfTheTree) {
   }
 }
 
-// With legs of no mass the plan is exact: the centre of mass comes to lie where the stance has it, whatever arms
-// and waist do. With arms that it takes as hanging it does not.
+// With legs of no mass the plan is exact: the centre of mass comes to lie where the stance has it, whatever
+// arms and waist do. With arms that it takes as hanging it does not.
 TEST_F(UpperBody, IsInThePlanOfTheWalk) {
   for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
     const std::string& name = robot_.joints[i].name;
@@ -114,10 +114,10 @@ TEST_F(UpperBody, IsInThePlanOfTheWalk) {
 
 // A unit in the chest: rotation and rate of its link relative to the pelvis while the waist turns.
 TEST_F(UpperBody, ConvertsAnInertialUnitAboveTheWaist) {
-  test::write_robot(folder_.path,
-                    test::with_inertial_unit(test::with_waist(test::default_robot()), "chest",
-                                             "0 0 0.03 0.4 -0.3 1.2"),
-                    true, false);
+  test::write_robot(
+      folder_.path,
+      test::with_inertial_unit(test::with_waist(test::default_robot()), "chest", "0 0 0.03 0.4 -0.3 1.2"),
+      true, false);
   robot_ = sim_board::load_robot(folder_.path / "robot.sdf");
   const robot::RobotModel model = load_named_model(robot_).model;
   ASSERT_FALSE(model.imu_link.is_trunk());
@@ -135,7 +135,8 @@ TEST_F(UpperBody, ConvertsAnInertialUnitAboveTheWaist) {
     for (std::size_t i = 0; i < 3; ++i)
       set(joints[i], waist[i][0] * std::sin(waist[i][1] * time_s + waist[i][2]));
     return Eigen::Matrix3d(
-        tree.poses(Isometry3d::Identity(), std::span(angles_rad_).first(robot_.joints.size()))[chest].linear());
+        tree.poses(Isometry3d::Identity(), std::span(angles_rad_).first(robot_.joints.size()))[chest]
+            .linear());
   };
   for (int cycle = 0; cycle < 500; ++cycle) {
     const double time_s = 0.01 * cycle;
@@ -144,9 +145,10 @@ TEST_F(UpperBody, ConvertsAnInertialUnitAboveTheWaist) {
     const robot::Rotation& R_BL = link.R_BL();
     for (int row = 0; row < 3; ++row) {
       const robot::Direction& shown = R_BL.rows[static_cast<std::size_t>(row)];
-      EXPECT_LT((Vector3d(to_double(shown.x), to_double(shown.y), to_double(shown.z)) - R.row(row).transpose())
-                    .norm(),
-                1e-6);
+      EXPECT_LT(
+          (Vector3d(to_double(shown.x), to_double(shown.y), to_double(shown.z)) - R.row(row).transpose())
+              .norm(),
+          1e-6);
     }
     if (cycle < 20) continue;
     // The mean of the last cycles is as late as 1.5 cycles of 10 ms.
