@@ -65,7 +65,7 @@ class Estimator {
   void update_gyro_bias(const Rates& raw_B, bool rests);
   void update_attitude(bool rests);
   // Converts attitude, rates and accelerations from the link of the inertial unit to the trunk.
-  void convert_to_trunk(std::span<const fixed::Angle> angles);
+  [[gnu::cold]] void convert_to_trunk(std::span<const fixed::Angle> angles);
   void update_balance(std::span<const fixed::Angle> angles, const LegEvidence& legs);
   void update_feet(const LegEvidence& legs);
   void update_ages(std::uint64_t now_us);

@@ -24,8 +24,8 @@ class InertialLink {
 
   // Returns whether it is the trunk itself, which needs no conversion.
   [[nodiscard]] bool is_trunk() const { return model_.imu_link.is_trunk(); }
-  // Takes the measured angles of a control cycle, one for each joint.
-  void update(std::span<const fixed::Angle> angles);
+  // Takes the measured angles of a control cycle, one for each joint. Compiled for size: few robots need it.
+  [[gnu::cold]] void update(std::span<const fixed::Angle> angles);
 
   [[nodiscard]] const robot::Rotation& R_BL() const { return R_BL_; }
   [[nodiscard]] const Rates& w_BL_B() const { return w_BL_B_; }

@@ -42,7 +42,7 @@ class TorqueContact {
   explicit TorqueContact(const robot::RobotModel& model);
 
   // Takes the evidence of one cycle of 10 ms and returns which feet are in contact.
-  const hal::BySide<bool>& update(const LegEvidence& evidence);
+  [[gnu::cold]] const hal::BySide<bool>& update(const LegEvidence& evidence);
 
  private:
   static constexpr int kFractionBits = 8;  // of an effort

@@ -49,10 +49,14 @@ FootSensor::Counts FootSensor::wrench(const hal::AnkleSample& sample) const {
   const auto& [f0, f1, f2] = sample.force_raw;
   const auto& [t0, t1, t2] = sample.torque_raw;
   if (model_.ankle_kind == hal::AnkleKind::kSixAxis) return {f0, f1, f2, t0, t1, t2};
+  if (model_.ankle_kind == hal::AnkleKind::kPressureCells) return cell_wrench({f0, f1, f2, t0});
   Counts counts;
   counts.fill(kNoCount);
-  if (model_.ankle_kind != hal::AnkleKind::kPressureCells) return counts;
-  const std::array<std::int16_t, hal::kPressureCells> cells{f0, f1, f2, t0};
+  return counts;
+}
+
+FootSensor::Counts FootSensor::cell_wrench(
+    const std::array<std::int16_t, hal::kPressureCells>& cells) const {
   const auto& places = model_.feet[side_].cells;
   std::int32_t sum = 0;
   Torque torque_x;

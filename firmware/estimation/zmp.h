@@ -63,6 +63,9 @@ class FootSensor {
   FootPressure pressure(std::span<const std::int16_t, 6> counts) const;
 
  private:
+  // Of pressure cells, about the sole's origin.
+  [[gnu::cold]] Counts cell_wrench(const std::array<std::int16_t, hal::kPressureCells>& cells) const;
+
   const robot::RobotModel& model_;
   hal::Side side_;
   robot::Position sensor_;  // in the sole's frame

@@ -49,7 +49,7 @@ struct LegGeometry {
 
 // Computes the geometry of a leg. Returns false if a joint other than the hip yaw is missing, if the joints
 // are in another order, or if they cannot move the sole in all directions; `geometry` is then undefined.
-[[nodiscard]] bool make_leg_geometry(const RobotModel& model, hal::Side side, LegGeometry& geometry);
+[[nodiscard, gnu::cold]] bool make_leg_geometry(const RobotModel& model, hal::Side side, LegGeometry& geometry);
 
 // Returns whether both legs have such a geometry: the robot can walk by command.
 [[nodiscard]] bool can_walk(const RobotModel& model);

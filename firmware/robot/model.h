@@ -164,8 +164,8 @@ enum class [[nodiscard]] ModelStatus : std::uint8_t{
 };
 
 // Decodes and validates a model image (docs/reference/robot-model-format.md). On failure `model` is
-// undefined.
-ModelStatus load_model(std::span<const std::byte> image, RobotModel& model);
+// undefined. Cold, as all that runs at start-up only: compiled for size.
+[[gnu::cold]] ModelStatus load_model(std::span<const std::byte> image, RobotModel& model);
 
 // Limit for the distance of an anchor, centre of mass or sole edge from its frame: with 1 m, every chain of
 // kMaxJoints stays within the range of Length.

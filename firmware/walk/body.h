@@ -46,7 +46,7 @@ struct Compliance {
 class Body {
  public:
   // `model` must outlive the body.
-  explicit Body(const robot::RobotModel& model);
+  [[gnu::cold]] explicit Body(const robot::RobotModel& model);
 
   // Returns whether the robot has two legs that walk; `solve` requires them.
   [[nodiscard]] bool has_legs() const { return has_legs_; }
@@ -64,7 +64,7 @@ class Body {
   void compensate(std::size_t side, const Stance& stance, const Compliance& compliance,
                   const robot::Position& p_SH, robot::LegAngles& leg) const;
 
-  void find_upper_body();
+  [[gnu::cold]] void find_upper_body();
   [[nodiscard]] robot::Position upper_body_moment(std::span<const fixed::Angle> angles) const;
 
   const robot::RobotModel& model_;
