@@ -163,7 +163,7 @@ class ContactSwitchNode : public SensorNodeTest {
 
 TEST_F(ContactSwitchNode, SendsItsContactAtEachSync) {
   start();
-  for (const std::int16_t contact : {1, 0}) {
+  for (const std::int16_t contact : {std::int16_t{1}, std::int16_t{0}}) {
     sensor_.take(hal::AnkleSample{.force_raw = {0, 0, contact}});
     send({.identifier = canopen::kSyncCobId});
     play_until(now_us_ + 2'000);
