@@ -61,9 +61,9 @@ A test fails while docs/reference/ is out of date.
 
   CLI::App* eds =
       command->add_subcommand("eds", "Print the electronic data sheet of a kind of node (CiA 306)");
-  eds->add_option("KIND", arguments->kind, "controller, drive, inertial or ankle")
+  eds->add_option("KIND", arguments->kind, "controller, drive, inertial, ankle, cells or switch")
       ->required()
-      ->check(CLI::IsMember({"controller", "drive", "inertial", "ankle"}));
+      ->check(CLI::IsMember({"controller", "drive", "inertial", "ankle", "cells", "switch"}));
   eds->callback([arguments] { print_file(*arguments, arguments->kind + ".eds"); });
   CLI::App* dbc = command->add_subcommand("dbc", "Print the messages on the robot's bus, for CAN tools");
   dbc->callback([arguments] { print_file(*arguments, "koboshi.dbc"); });

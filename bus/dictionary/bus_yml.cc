@@ -89,11 +89,24 @@ void add_drive(std::string& text, const robot::Joint& joint, const sim_board::Jo
   }
 }
 
+std::string_view eds_of(sim_board::SensorKind kind) {
+  switch (kind) {
+    case sim_board::SensorKind::kInertial:
+      return "inertial.eds";
+    case sim_board::SensorKind::kForceTorque:
+      return "ankle.eds";
+    case sim_board::SensorKind::kPressureCells:
+      return "cells.eds";
+    case sim_board::SensorKind::kContactSwitch:
+      return "switch.eds";
+  }
+  return {};
+}
+
 // A sensor runs with its defaults; the controller does not monitor its heartbeat.
 void add_sensor(std::string& text, std::string_view name, sim_board::SensorKind kind, std::uint8_t node_id) {
   const canopen::NodeDescription node = sim_board::sensor_node_description(kind);
-  add_identity(text, name, kind == sim_board::SensorKind::kInertial ? "inertial.eds" : "ankle.eds", node_id,
-               node.revision_number, node_id);
+  add_identity(text, name, eds_of(kind), node_id, node.revision_number, node_id);
   fmt::format_to(Text(text), "  heartbeat_producer: {}  # ms\n", node.heartbeat_ms);
 }
 
@@ -107,8 +120,9 @@ std::string bus_text(const sim_board::RobotDescription& robot) {
     add_drive(text, model.model.joints[i], robot.joints[i]);
   using enum sim_board::SensorKind;
   if (robot.imu) add_sensor(text, robot.imu->name, kInertial, sim_board::kInertialNode);
-  if (robot.left_ankle) add_sensor(text, robot.left_ankle->name, kForceTorque, sim_board::kLeftAnkleNode);
-  if (robot.right_ankle) add_sensor(text, robot.right_ankle->name, kForceTorque, sim_board::kRightAnkleNode);
+  const sim_board::SensorKind ankle = sim_board::sensor_kind(robot.ankle_kind());
+  if (robot.left_ankle) add_sensor(text, robot.left_ankle->name, ankle, sim_board::kLeftAnkleNode);
+  if (robot.right_ankle) add_sensor(text, robot.right_ankle->name, ankle, sim_board::kRightAnkleNode);
   return text;
 }
 

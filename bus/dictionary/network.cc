@@ -186,9 +186,10 @@ void add_sensor(Builder& builder, const NodeKind& kind, const NetworkNode& node)
 void add_sensors(Builder& builder, const sim_board::RobotDescription& robot) {
   if (robot.imu) add_sensor(builder, inertial_kind(), {sim_board::kInertialNode, robot.imu->name});
   if (robot.left_ankle)
-    add_sensor(builder, ankle_kind(), {sim_board::kLeftAnkleNode, robot.left_ankle->name});
+    add_sensor(builder, ankle_kind(robot.ankle_kind()), {sim_board::kLeftAnkleNode, robot.left_ankle->name});
   if (robot.right_ankle)
-    add_sensor(builder, ankle_kind(), {sim_board::kRightAnkleNode, robot.right_ankle->name});
+    add_sensor(builder, ankle_kind(robot.ankle_kind()),
+               {sim_board::kRightAnkleNode, robot.right_ankle->name});
 }
 
 }  // namespace

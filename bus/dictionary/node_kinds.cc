@@ -60,8 +60,34 @@ NodeKind ankle_kind() {
       sim_board::kAnkleObjects);
 }
 
+NodeKind pressure_cells_kind() {
+  return make_kind<sim_board::SensorValues>(
+      "cells", sim_board::sensor_node_description(sim_board::SensorKind::kPressureCells), kSensorCapacity,
+      sim_board::kPressureCellObjects);
+}
+
+NodeKind contact_switch_kind() {
+  return make_kind<sim_board::SensorValues>(
+      "switch", sim_board::sensor_node_description(sim_board::SensorKind::kContactSwitch), kSensorCapacity,
+      sim_board::kContactSwitchObjects);
+}
+
+NodeKind ankle_kind(hal::AnkleKind kind) {
+  switch (kind) {
+    case hal::AnkleKind::kPressureCells:
+      return pressure_cells_kind();
+    case hal::AnkleKind::kContactSwitch:
+      return contact_switch_kind();
+    case hal::AnkleKind::kSixAxis:
+    case hal::AnkleKind::kNone:
+      break;
+  }
+  return ankle_kind();
+}
+
 std::vector<NodeKind> documented_kinds(const robot::RobotModel& robot, const app::ControllerValues& values) {
-  return {controller_kind(robot, values), drive_kind(), inertial_kind(), ankle_kind()};
+  return {controller_kind(robot, values), drive_kind(),         inertial_kind(), ankle_kind(),
+          pressure_cells_kind(),          contact_switch_kind()};
 }
 
 }  // namespace koboshi::tools

@@ -27,7 +27,8 @@ the tables from which the nodes themselves are built: `firmware/app/controller_o
 `sim_board/drive/drive_objects.h` and `sim_board/sensor/sensor_objects.h`.
 
 The same objects in formats for other programs: [controller.eds](controller.eds), [drive.eds](drive.eds),
-[inertial.eds](inertial.eds) and [ankle.eds](ankle.eds) (CiA 306), and [koboshi.dbc](koboshi.dbc) with every
+[inertial.eds](inertial.eds), [ankle.eds](ankle.eds), [cells.eds](cells.eds) and [switch.eds](switch.eds)
+(CiA 306), and [koboshi.dbc](koboshi.dbc) with every
 message on the bus. Another CANopen master reads the drives and sensors from these and from
 [bus.yml](bus.yml) ([how](../guide/another-master.md)).
 
@@ -223,8 +224,10 @@ void add_network(std::string& page, const NodeKind& kind, const Network& network
     page += "\nAs after a reset. What a count means is the default robot's.\n";
     if (kind.name == "inertial") {
       add_pdos(page, network, std::array{sim_board::kInertialNode});
-    } else {
+    } else if (kind.name == "ankle") {
       add_pdos(page, network, std::array{sim_board::kLeftAnkleNode, sim_board::kRightAnkleNode});
+    } else {
+      page += "The default robot has none. TPDO 1 (1A00) carries all inputs at each SYNC.\n";
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "firmware/app/telemetry.h"
+#include "firmware/robot/abilities.h"
 
 namespace koboshi::app {
 namespace {
@@ -85,7 +86,12 @@ void Controller::tick(std::uint64_t now_us) {
       network_.update(behaviour_.state() == behaviour::State::kBoot, now_us);
   const bool rests = behaviour::kResting.contains(behaviour_.state());
 
-  const estimation::RobotState& robot = estimator_.update(drives.angles, rests, now_us);
+  const behaviour::Decision& last = behaviour_.decision();
+  const estimation::RobotState& robot =
+      estimator_.update(drives.angles, rests, now_us,
+                        {.torques_permille = bus_values(values_).torques_permille,
+                         .walks = last.feedback == balance::FeedbackMode::kWalking,
+                         .swing = last.swing});
   const behaviour::Decision& decision = behaviour_.step({.robot = robot,
                                                          .drives = drives,
                                                          .network = network,
@@ -103,6 +109,9 @@ void Controller::tick(std::uint64_t now_us) {
 void Controller::start(std::uint64_t now_us) {
   started_ = true;
   values_.diagnosis.model_id = model_.id;
+  values_.lost_abilities = robot::lost_abilities(model_);
+  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight})
+    std::ranges::copy(estimator_.wrench(side), values_.ankles[static_cast<std::size_t>(side)]);
   motions_.load();
   node_.start(now_us);
 }
@@ -128,9 +137,7 @@ void Controller::read_ankles(std::uint64_t now_us) {
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
     if (!board_.ankles.read(side, sample)) continue;
     estimator_.add(side, sample, now_us);
-    auto& shown = values_.ankles[static_cast<std::size_t>(side)];
-    std::ranges::copy(sample.force_raw, shown);
-    std::ranges::copy(sample.torque_raw, shown + 3);
+    std::ranges::copy(estimator_.wrench(side), values_.ankles[static_cast<std::size_t>(side)]);
   }
 }
 

@@ -58,8 +58,10 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Rate", .unit = kRateUnit, .elements = canopen::kAxes}},
     {OBJECT(0x2010, 6, attitude.acceleration[0], kReadOnly, kTpdo).repeated(3, 2),
      {.name = "Acceleration", .unit = kAccelerationUnit, .elements = canopen::kAxes}},
-    canopen::heading(0x2011, "Balance",
-                     "Zero moment point and centre of mass; values that are not valid are zero."),
+    canopen::heading(
+        0x2011, "Balance",
+        "Zero moment point and centre of mass. A ZMP that is not valid is zero; one that the robot's "
+        "sensors never measure is -32768."),
     {OBJECT(0x2011, 1, balance.foot_zmp[0][0], kReadOnly, kTpdo).repeated(4, 2),
      {.name = "ZMP",
       .unit = kLengthUnit,
@@ -79,19 +81,20 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Balance flags",
       .comment = "Bit 0: the left foot's ZMP is valid; 1: the right foot's; 2: that of both; 3: the frame "
                  "is that of the right sole; 4: the planned ZMP is valid; 5: its frame is that of the right "
-                 "sole."}},
+                 "sole. On a robot that measures no ZMP, bit 6: the left foot is in contact; 7: the right "
+                 "foot."}},
     {OBJECT(0x2011, 11, balance.planned_zmp[0], kReadOnly, kTpdo).repeated(2, 2),
      {.name = "Planned ZMP",
       .unit = kLengthUnit,
       .elements = kPlane,
       .comment = "That the walk plans for the end of the cycle, in the frame of the sole that bit 5 tells. "
                  "Motions plan none."}},
-    canopen::heading(0x2020, "Left ankle", "The wrench that the ground side exerts, in the sensor's frame."),
+    canopen::heading(0x2020, "Left ankle", kAnkleComment),
     {OBJECT(0x2020, 1, ankles[0][0], kReadOnly, kTpdo).repeated(3, 2),
      {.name = "Left force", .unit = kForceCount, .elements = canopen::kAxes}},
     {OBJECT(0x2020, 4, ankles[0][3], kReadOnly, kTpdo).repeated(3, 2),
      {.name = "Left torque", .unit = kTorqueCount, .elements = canopen::kAxes}},
-    canopen::heading(0x2021, "Right ankle", "The wrench that the ground side exerts, in the sensor's frame."),
+    canopen::heading(0x2021, "Right ankle", kAnkleComment),
     {OBJECT(0x2021, 1, ankles[1][0], kReadOnly, kTpdo).repeated(3, 2),
      {.name = "Right force", .unit = kForceCount, .elements = canopen::kAxes}},
     {OBJECT(0x2021, 4, ankles[1][3], kReadOnly, kTpdo).repeated(3, 2),
@@ -264,6 +267,11 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Arm swing",
       .unit = kBendUnit,
       .comment = "Shoulder angle per distance by which the opposite foot leads."}},
+    {OBJECT(0x2131, 9, walk.posture.fixed_upper_body, kReadWrite).within(0, 1),
+     {.name = "Fixed upper body",
+      .comment =
+          "1: the plan of the centre of mass takes waist, arms and head at joint angles zero; 0: where "
+          "they are."}},
     canopen::heading(0x2132, "Walking reactions", "In force when the robot begins to walk the next time.",
                      kAtNextWalk),
     {OBJECT(0x2132, 1, walk.reaction.capture_forward, kReadWrite).within(0, 1500),
@@ -347,6 +355,13 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Joints without torque limit",
       .comment = "Bit i: the drive of joint i has refused a write of 6072, since the boot; it keeps its full "
                  "torque."}},
+    {OBJECT(0x2201, 0, lost_abilities, kReadOnly),
+     {.name = "Lost abilities",
+      .comment =
+          "What this robot's body and sensors cannot do. Bit 0: measure the ZMP; 1: measure the load of "
+          "each foot; 2: sense the contact of each foot, which then comes from the torques of the legs; "
+          "3: end a step at an early touchdown; 4: walk by command; 5: turn while walking; 6: swing the "
+          "arms while walking."}},
     // Process data of the drives, in their own units (CiA 402), by joint.
     canopen::heading(0x2300, "Drive controlwords"),
     {OBJECT(0x2300, 1, drives.controlword[0], kReadOnly, kTpdo).repeated(kJoints, 2),

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "firmware/app/calibration.h"
 #include "firmware/app/factory_parameters.h"
@@ -69,7 +70,8 @@ struct ControllerValues {
     std::uint8_t flags = 0;            // kLeftZmpValid etc.; invalid values are zero
     std::int16_t planned_zmp[2] = {};  // x, y that a walk plans, in the frame of the sole that the flags tell
   } balance;                           // 0x2011
-  std::int16_t ankles[2][6] = {};      // 0x2020, 0x2021: force and torque in the sensor's counts
+  // 0x2020, 0x2021: force and torque in counts; FootSensor::kNoCount if they are not measured.
+  std::int16_t ankles[2][6] = {};
   behaviour::PowerParameters parameters;   // 0x2100
   balance::FeedbackParameters feedback;    // 0x2101 to 0x2106
   walk::Velocity velocity;                 // 0x2110; always within its limits
@@ -90,6 +92,7 @@ struct ControllerValues {
     FactoryStatus factory_parameters = FactoryStatus::kNone;
     std::uint32_t without_torque_limit = 0;  // bit i: joint i's drive has refused it since the boot
   } diagnosis;                               // 0x2200, 0x2403
+  std::uint16_t lost_abilities = 0;          // 0x2201; bit i: robot::Ability i
   drive::DriveSignals drives;                // 0x2300..0x2304, by joint from sub-index 1
   struct {
     std::int16_t inputs[motion::kInputCount] = {};  // that motions read
@@ -119,6 +122,12 @@ inline constexpr std::uint8_t kZmpValid = 1 << 2;
 inline constexpr std::uint8_t kFrameIsRight = 1 << 3;
 inline constexpr std::uint8_t kPlannedZmpValid = 1 << 4;
 inline constexpr std::uint8_t kPlanIsInRight = 1 << 5;
+// The feet that are in contact, on a robot that measures no ZMP; on any other the ZMP's validity says so.
+inline constexpr std::uint8_t kLeftContact = 1 << 6;
+inline constexpr std::uint8_t kRightContact = 1 << 7;
+
+// A length of 0x2011 that the robot does not measure.
+inline constexpr std::int16_t kNoLength = std::numeric_limits<std::int16_t>::min();
 
 // RPDO 0 (identifier 0x201) carries commands, RPDO 1 (0x301) the velocity, RPDO 2 (0x401) the first four
 // inputs of motions, RPDO 3 + i the answers of joint i's drive; TPDO 0..6 carry telemetry, TPDO 7 + i

@@ -72,6 +72,7 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kVelocityOutOfRange, "velocity out of range"),
     canopen::value_name(Reason::kNotAtRest, "not at rest"),
     canopen::value_name(Reason::kNoGait, "no gait"),
+    canopen::value_name(Reason::kNoLegs, "no legs to walk"),
     canopen::value_name(Reason::kGyroBiasUnknown, "gyro bias unknown"),
     canopen::value_name(Reason::kJointsInUse, "joints in use"),
 };
@@ -121,6 +122,9 @@ inline constexpr canopen::Unit kTorqueShareUnit{"%", 1, 10};
 inline constexpr canopen::Unit kForceCount{.name = "N", .resolution = canopen::Resolution::kForce};
 inline constexpr canopen::Unit kTorqueCount{.name = "N m", .resolution = canopen::Resolution::kTorque};
 
+inline constexpr std::string_view kAnkleComment =
+    "The wrench that the ground side exerts: of a six-axis sensor in its frame, of pressure cells about the "
+    "sole's origin. -32768: not measured.";
 inline constexpr std::string_view kPlane[] = {"x", "y"};
 inline constexpr std::string_view kFootZmps[] = {"left x", "left y", "right x", "right y"};
 

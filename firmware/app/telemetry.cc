@@ -14,6 +14,11 @@ void set_flags(std::uint8_t& flags, std::uint8_t mask, int value) {
   flags = static_cast<std::uint8_t>((flags & ~mask) | value);
 }
 
+int contact_flags(const estimation::RobotState& robot) {
+  if (robot.measures_loads) return 0;
+  return (robot.feet[0].contact ? kLeftContact : 0) | (robot.feet[1].contact ? kRightContact : 0);
+}
+
 void show(const std::optional<walk::PlannedZmp>& planned, ControllerValues& values) {
   auto& balance = values.balance;
   const walk::Point p = planned ? planned->p : walk::Point();
@@ -33,17 +38,19 @@ void show(const estimation::RobotState& robot, ControllerValues& values) {
   narrow(robot.accelerations_B, attitude.acceleration);
 
   auto& balance = values.balance;
-  for (std::size_t side = 0; side < robot.feet.size(); ++side) {
-    balance.foot_zmp[side][0] = narrow(robot.feet[side].x);
-    balance.foot_zmp[side][1] = narrow(robot.feet[side].y);
-  }
-  balance.zmp[0] = narrow(robot.zmp.x);
-  balance.zmp[1] = narrow(robot.zmp.y);
+  // A robot that never measures a ZMP has no value, which is not the same as an origin under no load.
+  const auto show_zmp = [&](fixed::Length x, fixed::Length y, std::int16_t(&shown)[2]) {
+    shown[0] = robot.measures_loads ? narrow(x) : kNoLength;
+    shown[1] = robot.measures_loads ? narrow(y) : kNoLength;
+  };
+  for (std::size_t side = 0; side < robot.feet.size(); ++side)
+    show_zmp(robot.feet[side].x, robot.feet[side].y, balance.foot_zmp[side]);
+  show_zmp(robot.zmp.x, robot.zmp.y, balance.zmp);
   narrow(robot.centre_of_mass, balance.com);
   set_flags(balance.flags, static_cast<std::uint8_t>(~kPlanFlags),
             (robot.feet[0].valid ? kLeftZmpValid : 0) | (robot.feet[1].valid ? kRightZmpValid : 0) |
                 (robot.zmp.valid ? kZmpValid : 0) |
-                (robot.zmp.frame == hal::Side::kRight ? kFrameIsRight : 0));
+                (robot.zmp.frame == hal::Side::kRight ? kFrameIsRight : 0) | contact_flags(robot));
 }
 
 void show(const estimation::Estimator& estimator, ControllerValues& values) {

@@ -27,9 +27,10 @@ fixed::Angle correction(std::int16_t rate_gain, fixed::AngularRate rate, std::in
 
 Feedback::Feedback(const robot::RobotModel& model) : joints_(model.joint_count) {
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
-    robot::LegGeometry geometry;
-    if (!robot::make_leg_geometry(model, side, geometry)) continue;
-    const auto joint = [&](std::size_t i) { return Joint{geometry.joints[i], geometry.signs[i]}; };
+    const auto joint = [&](robot::LegJoint place) {
+      const auto index = model.find(robot::leg_role(side, place));
+      return index ? Joint{*index, robot::leg_sign(model.joints[*index], place)} : Joint();
+    };
     legs_[side] = {joint(robot::kHipRoll), joint(robot::kHipPitch), joint(robot::kKnee),
                    joint(robot::kAnklePitch), joint(robot::kAnkleRoll)};
   }
@@ -51,6 +52,7 @@ void Feedback::correct(const FeedbackGains& gains, const estimation::TrunkMotion
   const fixed::Angle ankle_pitch = in_pitch(&JointGains::ankle_pitch);
   const fixed::Angle ankle_roll = in_roll(&JointGains::ankle_roll);
   const auto turn = [&](Joint joint, fixed::Angle angle) {
+    if (joint.sign == 0) return;
     fixed::Angle& target = targets[joint.index];
     target = fixed::Angle::from_raw(fixed::add_saturated(target.raw(), joint.sign * angle.raw()));
   };

@@ -198,11 +198,13 @@ void Behaviour::begin_soft_start() {
 void Behaviour::choose_feedback() {
   decision_.planned_pitch = {};
   decision_.planned_zmp.reset();
+  decision_.swing.reset();
   decision_.feedback = balance::FeedbackMode::kNone;
   if (!kBalancing.contains(status_.state)) return;
   const Plan plan = this->plan();
   decision_.planned_pitch = plan.pitch;
   decision_.planned_zmp = plan.zmp;
+  decision_.swing = plan.swing;
   decision_.feedback = plan.feedback;
 }
 

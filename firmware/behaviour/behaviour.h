@@ -54,6 +54,7 @@ struct Decision {
   balance::FeedbackMode feedback = balance::FeedbackMode::kNone;
   fixed::Angle planned_pitch;                   // of the trunk, forward positive
   std::optional<walk::PlannedZmp> planned_zmp;  // of a walk, for the end of the cycle
+  std::optional<hal::Side> swing;               // the foot in the air, of a walk by its plan
   drive::Goal goal = drive::Goal::kTorqueOff;
   std::uint16_t goals = 0;           // number of goals set so far: setting the same goal again counts
   bool drive_enable = false;         // level of the drive-enable line

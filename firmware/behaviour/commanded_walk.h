@@ -15,6 +15,8 @@ class CommandedWalk final : public MotionSource {
   // The model must outlive the walk.
   explicit CommandedWalk(const robot::RobotModel& model) : model_(model), walker_(model) {}
 
+  // Returns whether the robot has legs that walk.
+  [[nodiscard]] bool is_possible() const { return walker_.is_possible(); }
   // As Walker::start.
   void start(const walk::WalkParameters& parameters, std::span<const fixed::Angle> targets) {
     walker_.start(parameters, targets);
@@ -40,6 +42,7 @@ class CommandedWalk final : public MotionSource {
     return {.lean = {.roll = {}, .pitch = walker_.pitch()},
             .pitch = walker_.pitch(),
             .zmp = walker_.planned_zmp(),
+            .swing = walker_.swing_foot(),
             .feedback = balance::FeedbackMode::kWalking};
   }
 

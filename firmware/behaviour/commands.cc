@@ -130,6 +130,7 @@ Reason Behaviour::walk(const Circumstances& circumstances) {
     return Reason::kNone;
   }
   if (status_.state != State::kStanding) return Reason::kNotInThisState;
+  if (!walk_.is_possible()) return Reason::kNoLegs;
   if (!walk::is_gait(parameters_.walk)) return Reason::kNoGait;
   if (!circumstances.robot.gyro_known) return Reason::kGyroBiasUnknown;
   if ((overlay_.joints() & walk_.joints()) != 0) return Reason::kJointsInUse;

@@ -17,6 +17,7 @@ struct Plan {
   motion::Lean lean;                      // of the trunk: only what deviates from it may be a fall
   fixed::Angle pitch;                     // of the trunk, forward positive: the feedback holds it
   std::optional<walk::PlannedZmp> zmp{};  // for the end of the cycle
+  std::optional<hal::Side> swing{};       // the foot in the air, of a walk
   balance::FeedbackMode feedback = balance::FeedbackMode::kStanding;
 };
 

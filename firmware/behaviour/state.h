@@ -154,6 +154,7 @@ enum class Reason : std::uint8_t {
   kVelocityOutOfRange = 39,
   kNotAtRest = 40,        // the robot moved in the second of its calibration
   kNoGait = 41,           // the parameters of the walk are not set, see walk::is_gait
+  kNoLegs = 44,           // the legs lack joints for a walk, see robot::can_walk
   kJointsInUse = 43,      // another motion or the walk moves a joint of the motion
   kGyroBiasUnknown = 42,  // no second of rest since power-on, and no bias in the parameters
 };

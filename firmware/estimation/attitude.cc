@@ -43,13 +43,19 @@ Direction in_g(const AttitudeEstimator::Acceleration& force_B) {
 
 }  // namespace
 
+fixed::Angle roll_of(const Direction& up_B) { return fixed::atan2(up_B.y, up_B.z); }
+
+fixed::Angle pitch_of(const Direction& up_B) {
+  return fixed::atan2(-up_B.x, fixed::hypotenuse(up_B.y, up_B.z));
+}
+
 void AttitudeEstimator::update(const robot::Vector<Ratio>& turn_B_rad, const Acceleration& force_B,
                                Condition condition) {
   turn(turn_B_rad);
   correct(force_B, condition);
   normalise();
-  roll_ = fixed::atan2(up_B_.y, up_B_.z);
-  pitch_ = fixed::atan2(-up_B_.x, fixed::hypotenuse(up_B_.y, up_B_.z));
+  roll_ = roll_of(up_B_);
+  pitch_ = pitch_of(up_B_);
 }
 
 // A vector v that is fixed in the world turns by -t in axes of B: to second order, v - t x v + t x (t x v) /

@@ -5,6 +5,12 @@
 
 namespace koboshi::estimation {
 
+// Return the attitude of a trunk by its direction against gravity, as roll about x after pitch about y:
+// positive pitch leans forward, positive roll leans to the right. Roll is in [-1/2, 1/2) turn, pitch in
+// [-1/4, 1/4] turn.
+[[nodiscard]] fixed::Angle roll_of(const robot::Direction& up_B);
+[[nodiscard]] fixed::Angle pitch_of(const robot::Direction& up_B);
+
 // Estimates roll and pitch of the trunk B with a complementary filter (as Mahony, Hamel and Pflimlin 2008,
 // for the direction against gravity alone, without heading). Its state is the unit vector up_B, which is
 // regular in every attitude of a fall. In each cycle, with the rotation vector t of the trunk and the
@@ -29,8 +35,7 @@ class AttitudeEstimator {
 
   // Returns the unit vector against gravity, in axes of B.
   const robot::Direction& up_B() const { return up_B_; }
-  // Return the attitude as roll about x after pitch about y: positive pitch leans forward, positive roll
-  // leans to the right. Roll is in [-1/2, 1/2) turn, pitch in [-1/4, 1/4] turn.
+  // Return the attitude (roll_of, pitch_of).
   fixed::Angle roll() const { return roll_; }
   fixed::Angle pitch() const { return pitch_; }
 

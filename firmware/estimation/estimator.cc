@@ -3,7 +3,9 @@
 #include <algorithm>
 
 #include "firmware/estimation/posture.h"
+#include "firmware/fixed/gravity.h"
 #include "firmware/fixed/saturating.h"
+#include "firmware/robot/kinematics.h"
 
 namespace koboshi::estimation {
 namespace {
@@ -17,19 +19,28 @@ std::uint32_t age_us(std::uint64_t now_us, std::uint64_t then_us) {
 Estimator::Estimator(const robot::RobotModel& model)
     : model_(model),
       inertial_(model),
-      foot_sensors_{FootSensor(model, hal::Side::kLeft), FootSensor(model, hal::Side::kRight)} {}
+      inertial_link_(model),
+      foot_sensors_{FootSensor(model, hal::Side::kLeft), FootSensor(model, hal::Side::kRight)},
+      torque_contact_(model),
+      weight_(fixed::product<fixed::Force>(robot::total_mass(model), fixed::kGravity)) {
+  state_.measures_loads = model.measures_loads();
+  for (std::size_t foot = 0; foot < wrenches_.size() && !state_.measures_loads; ++foot)
+    wrenches_[foot].fill(FootSensor::kNoCount);
+}
 
 void Estimator::add(hal::Side side, const hal::AnkleSample& sample, std::uint64_t now_us) {
-  std::ranges::copy(sample.force_raw, wrenches_[side].begin());
-  std::ranges::copy(sample.torque_raw, wrenches_[side].begin() + 3);
+  wrenches_[side] = foot_sensors_[side].wrench(sample);
+  switches_[side] = sample.force_raw[2] != 0;
   ankle_us_[side] = now_us;
 }
 
-const RobotState& Estimator::update(std::span<const fixed::Angle> angles, bool rests, std::uint64_t now_us) {
+const RobotState& Estimator::update(std::span<const fixed::Angle> angles, bool rests, std::uint64_t now_us,
+                                    const LegEvidence& legs) {
   calibration_ = Calibration::kNone;
   update_gyro_bias(inertial_.rates(), rests);
   update_attitude(rests);
-  update_balance(angles);
+  if (!inertial_link_.is_trunk()) convert_to_trunk(angles);
+  update_balance(angles, legs);
   update_ages(now_us);
   return state_;
 }
@@ -74,19 +85,47 @@ void Estimator::update_attitude(bool rests) {
   state_.pitch = attitude_.pitch();
 }
 
-void Estimator::update_balance(std::span<const fixed::Angle> angles) {
+void Estimator::convert_to_trunk(std::span<const fixed::Angle> angles) {
+  inertial_link_.update(angles);
+  const robot::Rotation& R_BL = inertial_link_.R_BL();
+  state_.rates_B = R_BL * state_.rates_B - inertial_link_.w_BL_B();
+  state_.accelerations_B = R_BL * state_.accelerations_B;
+  state_.up_B = R_BL * state_.up_B;
+  state_.roll = roll_of(state_.up_B);
+  state_.pitch = pitch_of(state_.up_B);
+}
+
+void Estimator::update_balance(std::span<const fixed::Angle> angles, const LegEvidence& legs) {
   const Posture posture = posture_at(model_, angles);
-  for (std::size_t foot = 0; foot < foot_sensors_.size(); ++foot)
-    state_.feet[foot] = foot_sensors_[foot].pressure(wrenches_[foot]);
+  update_feet(legs);
   state_.zmp = combine(state_.feet, posture);
   state_.centre_of_mass = posture.centre_of_mass(state_.zmp.frame);
+}
+
+void Estimator::update_feet(const LegEvidence& legs) {
+  switch (model_.ankle_kind) {
+    case hal::AnkleKind::kSixAxis:
+    case hal::AnkleKind::kPressureCells:
+      for (std::size_t foot = 0; foot < foot_sensors_.size(); ++foot)
+        state_.feet[foot] = foot_sensors_[foot].pressure(wrenches_[foot]);
+      return;
+    case hal::AnkleKind::kContactSwitch:
+      state_.feet = pressures_of(switches_, weight_);
+      return;
+    case hal::AnkleKind::kNone:
+      state_.feet = pressures_of(torque_contact_.update(legs), weight_);
+      return;
+  }
 }
 
 void Estimator::update_ages(std::uint64_t now_us) {
   const auto inertial_us = inertial_.last_us();
   state_.inertial_age_us = inertial_us ? age_us(now_us, *inertial_us) : RobotState::kNever;
+  const bool has_sensors = model_.ankle_kind != hal::AnkleKind::kNone;
   for (std::size_t foot = 0; foot < ankle_us_.size(); ++foot)
-    state_.ankle_age_us[foot] = ankle_us_[foot] ? age_us(now_us, *ankle_us_[foot]) : RobotState::kNever;
+    state_.ankle_age_us[foot] = !has_sensors      ? 0
+                                : ankle_us_[foot] ? age_us(now_us, *ankle_us_[foot])
+                                                  : RobotState::kNever;
 }
 
 }  // namespace koboshi::estimation

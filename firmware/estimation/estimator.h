@@ -8,7 +8,9 @@
 #include "firmware/estimation/attitude.h"
 #include "firmware/estimation/gyro_bias.h"
 #include "firmware/estimation/inertial.h"
+#include "firmware/estimation/inertial_link.h"
 #include "firmware/estimation/robot_state.h"
+#include "firmware/estimation/torque_contact.h"
 #include "firmware/estimation/zmp.h"
 #include "firmware/robot/model.h"
 #include "hal/port/ankle.h"
@@ -40,10 +42,14 @@ class Estimator {
   void add(hal::Side side, const hal::AnkleSample& sample, std::uint64_t now_us);
 
   // Computes the state of a control cycle of 10 ms. `angles`: measured, one for each joint. `rests`: the
-  // drives make no torque. The reference stays valid until the next call.
-  const RobotState& update(std::span<const fixed::Angle> angles, bool rests, std::uint64_t now_us);
+  // drives make no torque. `legs`: for a robot without sensors in its feet. The reference stays valid until
+  // the next call.
+  const RobotState& update(std::span<const fixed::Angle> angles, bool rests, std::uint64_t now_us,
+                           const LegEvidence& legs = {});
   // Returns the state of the last cycle.
   const RobotState& state() const { return state_; }
+  // Returns the latest wrench of an ankle sensor (FootSensor::wrench).
+  const FootSensor::Counts& wrench(hal::Side side) const { return wrenches_[side]; }
 
   // Sets a stored bias, in axes of B, valid until the next measurement; zero means that none is stored.
   void assume_gyro_bias(const Rates& bias_B);
@@ -58,16 +64,23 @@ class Estimator {
  private:
   void update_gyro_bias(const Rates& raw_B, bool rests);
   void update_attitude(bool rests);
-  void update_balance(std::span<const fixed::Angle> angles);
+  // Converts attitude, rates and accelerations from the link of the inertial unit to the trunk.
+  [[gnu::cold]] void convert_to_trunk(std::span<const fixed::Angle> angles);
+  void update_balance(std::span<const fixed::Angle> angles, const LegEvidence& legs);
+  void update_feet(const LegEvidence& legs);
   void update_ages(std::uint64_t now_us);
 
   const robot::RobotModel& model_;
   InertialSensor inertial_;
   GyroBias gyro_bias_;
-  AttitudeEstimator attitude_;
+  AttitudeEstimator attitude_;  // of the link that carries the unit, in axes of B at joint zero
+  InertialLink inertial_link_;
   hal::BySide<FootSensor> foot_sensors_;
-  hal::BySide<std::array<std::int16_t, 6>> wrenches_{};  // counts: force x, y, z, then torque
-  hal::BySide<std::optional<std::uint64_t>> ankle_us_;   // time of each one's last sample
+  hal::BySide<FootSensor::Counts> wrenches_{};          // force x, y, z, then torque
+  hal::BySide<std::optional<std::uint64_t>> ankle_us_;  // time of each one's last sample
+  hal::BySide<bool> switches_{};                        // closed; of contact switches
+  TorqueContact torque_contact_;                        // of a robot without ankle sensors
+  fixed::Force weight_;
   bool calibrating_ = false;
   bool bias_assumed_ = false;
   std::uint16_t gyro_calibrations_ = 0;

@@ -21,7 +21,9 @@ inline constexpr fixed::BiquadCoefficients kInertialLowPass{
     .a2 = fixed::Ratio::from_raw(752582188),
 };
 
-// Converts the samples of the inertial unit I to filtered rates and specific forces in axes of the trunk B.
+// Converts the samples of the inertial unit I to filtered rates and specific forces in axes of the link that
+// carries it, which at joint zero are those of the trunk B; InertialLink converts them further where that
+// link is not the trunk.
 class InertialSensor {
  public:
   using Rates = robot::Vector<fixed::AngularRate>;

@@ -23,10 +23,12 @@ struct RobotState {
   bool gyro_known = false;  // the gyro's bias was measured or stored; without it attitude and rates drift
   std::uint32_t inertial_age_us = kNever;  // since the last sample; saturates
 
-  // From the ankle sensors.
+  // From the ankle sensors; without any, the contact is that of the legs' torques (TorqueContact). A robot
+  // that does not measure loads has no valid ZMP, and the loads are the weight in equal parts.
   hal::BySide<FootPressure> feet{};
   Pressure zmp;  // of both feet, in the frame of the sole that carries more
-  hal::BySide<std::uint32_t> ankle_age_us{kNever, kNever};
+  bool measures_loads = true;
+  hal::BySide<std::uint32_t> ankle_age_us{kNever, kNever};  // 0 without sensors
 
   // From the joint angles: the centre of mass, in the frame of `zmp`.
   robot::Position centre_of_mass;

@@ -86,9 +86,9 @@ std::int32_t ProgramState::read(SourceRef ref, const Inputs& inputs,
     case Source::kYawRate:
       return scaled(robot.rates_B.z, kMdegPerTurn);
     case Source::kLeftContact:
-      return robot.feet[0].valid ? 1 : 0;
+      return robot.feet[0].contact ? 1 : 0;
     case Source::kRightContact:
-      return robot.feet[1].valid ? 1 : 0;
+      return robot.feet[1].contact ? 1 : 0;
     case Source::kLeftLoad:
       return scaled(robot.feet[0].load, 1'000);
     case Source::kRightLoad:

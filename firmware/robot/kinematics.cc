@@ -26,8 +26,8 @@ Pose sole_pose(const RobotModel& model, hal::Side side, const LinkPoses& X_BLink
 
 namespace {
 
-// Sums mass times coordinate, in LSB of Mass times LSB of Length. 5 kg at 25 m are 2^55; 25 links stay below
-// 2^60.
+// Sums mass times coordinate, in LSB of Mass times LSB of Length. 5 kg at 32 m are 2^56; 32 links stay below
+// 2^61.
 class MomentSum {
  public:
   void add(Mass mass, const Position& p) {

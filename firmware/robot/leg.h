@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "firmware/robot/model.h"
@@ -42,9 +43,16 @@ struct LegGeometry {
   int scale = 0;
 };
 
+// Returns +1 where the axis of a leg joint is nearest to +z, +x or +y, as its place in the leg has it; else
+// -1.
+[[nodiscard]] std::int8_t leg_sign(const Joint& joint, LegJoint place);
+
 // Computes the geometry of a leg. Returns false if a joint other than the hip yaw is missing, if the joints
 // are in another order, or if they cannot move the sole in all directions; `geometry` is then undefined.
-[[nodiscard]] bool make_leg_geometry(const RobotModel& model, hal::Side side, LegGeometry& geometry);
+[[nodiscard, gnu::cold]] bool make_leg_geometry(const RobotModel& model, hal::Side side, LegGeometry& geometry);
+
+// Returns whether both legs have such a geometry: the robot can walk by command.
+[[nodiscard]] bool can_walk(const RobotModel& model);
 
 // Tolerances of LegAngles::reached, for the rounding of targets that are just reachable: of a distance, of an
 // angle (2^-18 turn, four units of a drive's position), of a sine (7.6e-6, a third of that angle). Set by

@@ -21,10 +21,6 @@ constexpr Length kCoincidenceTolerance = Length::from_raw(16);  // 1 um
 bool is_near_zero(Length length) { return fixed::abs(length) <= kCoincidenceTolerance; }
 bool is_near_zero(const Position& p) { return is_near_zero(p.x) && is_near_zero(p.y) && is_near_zero(p.z); }
 
-std::int8_t sign_along(const Direction& axis, const Direction& unit) {
-  return dot(unit, axis) < Ratio() ? std::int8_t{-1} : std::int8_t{1};
-}
-
 // Indexed by LegJoint; zero for a missing hip yaw.
 using Anchors = std::array<Position, kLegJoints>;
 
@@ -43,7 +39,7 @@ bool find_joints(const RobotModel& model, hal::Side side, LegGeometry& leg) {
     leg.joints[i] = index.value_or(JointIndex());
     if (index) {
       if (!has_role_axis(model.joints[*index], i)) return false;
-      leg.signs[i] = sign_along(model.joints[*index].axis, kLegAxes[i]);
+      leg.signs[i] = leg_sign(model.joints[*index], static_cast<LegJoint>(i));
       ++leg.joint_count;
     } else if (i != kHipYaw) {
       return false;
@@ -146,6 +142,10 @@ bool measure(const RobotModel& model, const Anchors& anchors, LegGeometry& leg) 
 
 }  // namespace
 
+std::int8_t leg_sign(const Joint& joint, LegJoint place) {
+  return dot(kLegAxes[place], joint.axis) < Ratio() ? std::int8_t{-1} : std::int8_t{1};
+}
+
 bool make_leg_geometry(const RobotModel& model, hal::Side side, LegGeometry& geometry) {
   geometry = {};
   geometry.ankle_height = model.feet[side].ankle_height;
@@ -156,6 +156,12 @@ bool make_leg_geometry(const RobotModel& model, hal::Side side, LegGeometry& geo
   if (!geometry.is_standard) return measure(model, anchors, geometry);
   measure_standard(anchors, geometry);
   return true;
+}
+
+bool can_walk(const RobotModel& model) {
+  LegGeometry geometry;
+  return make_leg_geometry(model, hal::Side::kLeft, geometry) &&
+         make_leg_geometry(model, hal::Side::kRight, geometry);
 }
 
 }  // namespace koboshi::robot

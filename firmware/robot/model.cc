@@ -15,6 +15,9 @@ namespace {
 // The fields are in the order of docs/reference/robot-model-format.md.
 constexpr std::size_t kFixedPartSize = 1 + kModelNameSize + 16 + 4 + 36 + 16 + 2 * 32;
 constexpr std::size_t kJointSize = 75;
+// The sensors other than an inertial unit in the base and six-axis ankle sensors; a robot with these has no
+// such part, so that its image is that of older versions.
+constexpr std::size_t kSensorPartSize = 2 + 2 * hal::kPressureCells * 8;
 
 template <fixed::AnyQuantity Q>
 void read(ImageReader& reader, Q& quantity) {
@@ -58,6 +61,17 @@ void read(ImageReader& reader, Joint& joint) {
   read(reader, joint.centre_of_mass);
 }
 
+void read_sensor_part(ImageReader& reader, RobotModel& model) {
+  model.ankle_kind = static_cast<hal::AnkleKind>(reader.u8());
+  model.imu_link = LinkIndex::from_raw(reader.i8());
+  for (Foot& foot : model.feet) {
+    for (Cell& cell : foot.cells) {
+      read(reader, cell.x);
+      read(reader, cell.y);
+    }
+  }
+}
+
 void read_fixed_part(ImageReader& reader, RobotModel& model) {
   for (char& letter : model.name) letter = static_cast<char>(reader.u8());
   read(reader, model.base_mass);
@@ -83,10 +97,13 @@ ModelStatus load_model(std::span<const std::byte> image_bytes, RobotModel& model
   ImageReader reader(image.body);
   model.joint_count = reader.u8();
   if (model.joint_count == 0 || model.joint_count > kMaxJoints) return ModelStatus::kBadJointCount;
-  if (image.body.size() != kFixedPartSize + model.joint_count * kJointSize) return ModelStatus::kBadSize;
+  const std::size_t size = kFixedPartSize + model.joint_count * kJointSize;
+  const bool has_sensor_part = image.body.size() == size + kSensorPartSize;
+  if (image.body.size() != size && !has_sensor_part) return ModelStatus::kBadSize;
 
   read_fixed_part(reader, model);
   for (std::size_t i = 0; i < model.joint_count; ++i) read(reader, model.joints[i]);
+  if (has_sensor_part) read_sensor_part(reader, model);
   return check_model(model);
 }
 
@@ -104,20 +121,27 @@ std::array<JointIndex, kLegJoints> RobotModel::leg(hal::Side side) const {
 }
 
 std::uint32_t RobotModel::leg_joints() const {
+  return leg_joints(hal::Side::kLeft) | leg_joints(hal::Side::kRight);
+}
+
+std::uint32_t RobotModel::leg_joints(hal::Side side) const {
   std::uint32_t mask = 0;
   for (std::size_t i = 0; i < joint_count; ++i) {
-    if (joints[i].role >= JointRole::kLeftHipYaw && joints[i].role <= JointRole::kRightAnkleRoll)
+    if (joints[i].role >= leg_role(side, 0) && joints[i].role <= leg_role(side, kLegJoints - 1))
       mask |= 1u << i;
   }
   return mask;
 }
 
 JointIndex RobotModel::foot_joint(hal::Side side) const {
-  constexpr std::size_t kPitch = 4;  // LegJoint::kAnklePitch, kAnkleRoll
-  constexpr std::size_t kRoll = 5;
-  const JointIndex pitch = find(leg_role(side, kPitch)).value_or(JointIndex());
-  const JointIndex roll = find(leg_role(side, kRoll)).value_or(JointIndex());
-  return joints[pitch].parent == LinkIndex(roll) ? pitch : roll;
+  const JointRole first = leg_role(side, 0);
+  const JointRole last = leg_role(side, kLegJoints - 1);
+  JointIndex foot;
+  for (std::size_t step = 0; step < joint_count; ++step) {
+    const JointRole role = joints[order[step]].role;
+    if (role >= first && role <= last) foot = order[step];
+  }
+  return foot;
 }
 
 fixed::Angle joint_angle(const Drive& drive, std::int32_t position) {

@@ -10,11 +10,12 @@
 #include "firmware/fixed/saturating.h"
 #include "firmware/robot/geometry.h"
 #include "firmware/robot/index.h"
+#include "hal/port/ankle.h"
 #include "hal/port/side.h"
 
 namespace koboshi::robot {
 
-inline constexpr std::size_t kMaxJoints = 24;
+inline constexpr std::size_t kMaxJoints = 31;  // masks of joints have 32 bits, one of them spare
 inline constexpr std::size_t kModelNameSize = 24;
 inline constexpr std::uint32_t kModelMagic = 0x444D524Bu;  // "KRMD"
 inline constexpr std::uint16_t kModelVersion = 1;
@@ -81,24 +82,32 @@ struct Joint {
   Position centre_of_mass;  // in the link's frame
 };
 
-// A foot: the rectangle of its sole and its force/torque sensor, in the sole's frame (L, R). That frame lies
-// on the ground below the ankle at joint zero; its axes are the foot's, and so are the sensor's. No
-// coordinate exceeds kMaxOffset.
+// A pressure cell, in the sole's frame.
+struct Cell {
+  fixed::Length x;
+  fixed::Length y;
+};
+
+// A foot: the rectangle of its sole and its sensor, in the sole's frame (L, R). That frame lies on the ground
+// below the ankle at joint zero; its axes are the foot's, and so are the sensor's. No coordinate exceeds
+// kMaxOffset.
 struct Foot {
   fixed::Length ankle_height;  // of the joint that carries the foot above the sole, 0 or more
   fixed::Length back;          // x of the heel, negative
   fixed::Length front;
   fixed::Length right;  // y of the edge, negative
   fixed::Length left;
-  Position sensor;  // its z is the distance d of the paper's equation 1
+  Position sensor;  // of six axes; its z is the distance d of the paper's equation 1
+  std::array<Cell, hal::kPressureCells> cells{};  // of a robot with pressure cells
 };
 
-// The full scales of the sensors, at 2^15 counts; all above 0.
+// The full scales of the sensors, at 2^15 counts; above 0, but those of the ankles only where the robot
+// measures the forces of its feet.
 struct SensorScales {
   fixed::AngularRate gyro;
   fixed::Acceleration accelerometer;
-  fixed::Force ankle_force;
-  fixed::Torque ankle_torque;
+  fixed::Force ankle_force;    // with pressure cells: of the four together, four times that of one
+  fixed::Torque ankle_torque;  // with pressure cells: in which their torque about the sole's origin is shown
 };
 
 // The robot that the firmware controls, as read from the image in storage. Only calibration parameters change
@@ -112,19 +121,26 @@ struct RobotModel {
   fixed::Mass base_mass;                       // above 0, at most kMaxLinkMass
   Position base_centre_of_mass;                // in B; at most kMaxOffset in each coordinate
   fixed::Length body_height;  // from sole to crown at joint zero; above 0, at most 2 * kMaxOffset
-  Rotation R_BI;              // from axes of the inertial unit I to those of B
+  Rotation R_BI;       // from axes of the inertial unit I to those of B at joint zero, and always to those of
+                       // the link that carries it
+  LinkIndex imu_link;  // that link
+  hal::AnkleKind ankle_kind = hal::AnkleKind::kSixAxis;
   SensorScales scales;
   hal::BySide<Foot> feet{};
 
   // Returns the joint with this role, the first one; nothing where the robot has none.
   [[nodiscard]] std::optional<JointIndex> find(JointRole role) const;
-  // Returns the joints of a leg in the order of LegJoint (leg.h). A loaded model has them all, but perhaps
-  // the hip yaw; a missing joint has the index 0.
+  // Returns the joints of a leg in the order of LegJoint (leg.h); a missing joint has the index 0.
   [[nodiscard]] std::array<JointIndex, kLegJoints> leg(hal::Side side) const;
-  // Returns the joints of both legs as a mask, bit i for joint i.
+  // Returns the joints of both legs, or of one, as a mask, bit i for joint i.
   [[nodiscard]] std::uint32_t leg_joints() const;
-  // Returns the joint that carries the foot: that ankle joint which the other one carries.
+  [[nodiscard]] std::uint32_t leg_joints(hal::Side side) const;
+  // Returns the joint that carries the foot: the last one of the leg, from the trunk down.
   [[nodiscard]] JointIndex foot_joint(hal::Side side) const;
+  // Returns whether the sensors of the feet measure loads and ZMP.
+  [[nodiscard]] bool measures_loads() const {
+    return ankle_kind == hal::AnkleKind::kSixAxis || ankle_kind == hal::AnkleKind::kPressureCells;
+  }
 };
 
 enum class [[nodiscard]] ModelStatus : std::uint8_t{
@@ -143,18 +159,18 @@ enum class [[nodiscard]] ModelStatus : std::uint8_t{
     kDuplicateNodeId = 12,
     kDuplicateRole = 13,
     kBadMirror = 14,  // the mirror image of a joint's mirror image is not the joint
-    kBadLeg =
-        15,  // a missing joint other than the hip yaw, or a chain that make_leg_geometry() refuses (leg.h)
+    kBadLeg = 15,     // no joint of a leg, or one with all but perhaps the hip yaw that make_leg_geometry()
+                      // refuses (leg.h)
 };
 
 // Decodes and validates a model image (docs/reference/robot-model-format.md). On failure `model` is
-// undefined.
-ModelStatus load_model(std::span<const std::byte> image, RobotModel& model);
+// undefined. Cold, as all that runs at start-up only: compiled for size.
+[[gnu::cold]] ModelStatus load_model(std::span<const std::byte> image, RobotModel& model);
 
 // Limit for the distance of an anchor, centre of mass or sole edge from its frame: with 1 m, every chain of
 // kMaxJoints stays within the range of Length.
 inline constexpr fixed::Length kMaxOffset = fixed::Length::from_raw(1 << 24);
-// Limit for the mass of a link: with 5 kg, the sum of the base and kMaxJoints links stays within Mass.
+// Limit for the mass of a link. The sum of all must stay within Mass, 128 kg.
 inline constexpr fixed::Mass kMaxLinkMass = fixed::Mass::from_raw(5 << 24);
 
 // Converts a joint angle to the position of its drive's shaft, rounded to nearest. Saturates at the range of

@@ -1,5 +1,9 @@
 #include "firmware/robot/model_check.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
 #include "firmware/robot/leg.h"
 
 namespace koboshi::robot {
@@ -90,24 +94,47 @@ bool sort_tree(RobotModel& model) {
 bool in_range(const Foot& foot) {
   return in_range(foot.ankle_height) && in_range(foot.sensor) && in_range(foot.back) &&
          in_range(foot.front) && in_range(foot.right) && in_range(foot.left) &&
-         foot.ankle_height >= Length() && foot.back < foot.front && foot.right < foot.left;
+         foot.ankle_height >= Length() && foot.back < foot.front && foot.right < foot.left &&
+         std::ranges::all_of(foot.cells,
+                             [](const Cell& cell) { return in_range(cell.x) && in_range(cell.y); });
 }
 
-bool in_range(const SensorScales& scales) {
+// The sum of all links stays within Mass.
+bool total_in_range(const RobotModel& model) {
+  std::int64_t total_raw = model.base_mass.raw();
+  for (std::size_t i = 0; i < model.joint_count; ++i) total_raw += model.joints[i].mass.raw();
+  return total_raw <= std::numeric_limits<std::int32_t>::max();
+}
+
+bool has_scales(const RobotModel& model) {
+  const SensorScales& scales = model.scales;
+  const bool measured = scales.ankle_force > fixed::Force() && scales.ankle_torque > fixed::Torque();
   return scales.gyro > fixed::AngularRate() && scales.accelerometer > fixed::Acceleration() &&
-         scales.ankle_force > fixed::Force() && scales.ankle_torque > fixed::Torque();
+         (measured || !model.measures_loads());
+}
+
+bool has_sensors(const RobotModel& model) {
+  const LinkIndex link = model.imu_link;
+  return model.ankle_kind <= hal::AnkleKind::kNone &&
+         (link.is_trunk() || (link.raw() >= 0 && link.joint() < model.joint_count));
 }
 
 ModelStatus check_body(const RobotModel& model) {
+  if (!has_sensors(model)) return ModelStatus::kBadField;
   const bool ok = in_range(model.base_centre_of_mass) && in_range(model.base_mass) &&
                   model.base_mass > Mass() && model.body_height > Length() &&
-                  model.body_height <= kMaxOffset * 2 && in_range(model.scales) && in_range(model.feet[0]) &&
+                  model.body_height <= kMaxOffset * 2 && has_scales(model) && in_range(model.feet[0]) &&
                   in_range(model.feet[1]);
   if (!ok) return ModelStatus::kOutOfRange;
+  if (!total_in_range(model)) return ModelStatus::kOutOfRange;
   return is_rotation(model.R_BI) ? ModelStatus::kOk : ModelStatus::kNotARotation;
 }
 
+// A leg that lacks joints can stand and move, but not walk. One that has them must be able to.
 bool has_leg(const RobotModel& model, hal::Side side) {
+  if (model.leg_joints(side) == 0) return false;
+  for (std::size_t i = kHipRoll; i < kLegJoints; ++i)
+    if (!model.find(leg_role(side, i))) return true;
   LegGeometry geometry;
   return make_leg_geometry(model, side, geometry);
 }

@@ -6,6 +6,6 @@ namespace koboshi::robot {
 
 // Validates the fields of a model and computes `order`. Returns the first violation found; `order` is then
 // undefined. Requires joint_count <= kMaxJoints.
-ModelStatus check_model(RobotModel& model);
+[[gnu::cold]] ModelStatus check_model(RobotModel& model);
 
 }  // namespace koboshi::robot

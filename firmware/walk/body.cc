@@ -78,8 +78,7 @@ Body::Body(const robot::RobotModel& model) : model_(model) {
   Position soles{};
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
     robot::LegGeometry& leg = legs_[side];
-    // A loaded model has legs of this shape (ModelStatus::kBadLeg).
-    static_cast<void>(robot::make_leg_geometry(model, side, leg));
+    if (!robot::make_leg_geometry(model, side, leg)) return;
     Position p_BSole = p_BLinks[model.foot_joint(side)];
     p_BSole.z -= leg.ankle_height;
     for (const robot::LegJoint place_in_leg : leg.chain()) {
@@ -92,7 +91,54 @@ Body::Body(const robot::RobotModel& model) : model_(model) {
   }
   foot_share_ = both_legs / 2;
   inverse_share_ = fixed::quotient<Ratio>(fixed::kOne, fixed::kOne - both_legs);
-  constant_B_ = centre - scaled(soles, foot_share_);
+  constant_B_ = hanging_B_ = centre - scaled(soles, foot_share_);
+  has_legs_ = true;
+  find_upper_body();
+}
+
+// The joints of which none is carried by a leg, and their constant moments.
+void Body::find_upper_body() {
+  const std::uint32_t legs = model_.leg_joints();
+  for (std::size_t step = 0; step < model_.joint_count; ++step) {
+    const robot::JointIndex i = model_.order[step];
+    const robot::LinkIndex parent = model_.joints[i].parent;
+    const bool on_upper_body = parent.is_trunk() || (upper_joints_ >> parent.joint() & 1u) != 0;
+    if (on_upper_body && (legs >> i & 1u) == 0) upper_joints_ |= 1u << i;
+  }
+  const Shares shares(model_);
+  std::array<Ratio, robot::kMaxJoints> carried{};
+  for (std::size_t step = model_.joint_count; step-- > 0;) {
+    const robot::JointIndex i = model_.order[step];
+    if ((upper_joints_ >> i & 1u) == 0) continue;
+    const robot::Joint& joint = model_.joints[i];
+    const Ratio share = shares.of(joint.mass);
+    carried[i] += share;
+    moments_[i] = moments_[i] + scaled(joint.centre_of_mass, share);
+    if (joint.parent.is_trunk()) continue;
+    const robot::JointIndex parent = joint.parent.joint();
+    carried[parent] += carried[i];
+    moments_[parent] = moments_[parent] + scaled(joint.anchor, carried[i]);
+  }
+  const std::array<Angle, robot::kMaxJoints> zero{};
+  hanging_moment_ = upper_body_moment(zero);
+}
+
+Position Body::upper_body_moment(std::span<const Angle> angles) const {
+  Position trunk{};
+  std::array<Position, robot::kMaxJoints> moments = moments_;
+  for (std::size_t step = model_.joint_count; step-- > 0;) {
+    const robot::JointIndex i = model_.order[step];
+    if ((upper_joints_ >> i & 1u) == 0) continue;
+    const robot::Joint& joint = model_.joints[i];
+    Position& carrier = joint.parent.is_trunk() ? trunk : moments[joint.parent.joint()];
+    carrier = carrier + robot::rotation_about(joint.axis, angles[i]) * moments[i];
+  }
+  return trunk;
+}
+
+void Body::set_upper_body(std::span<const Angle> angles) {
+  constant_B_ = hanging_B_;
+  if (!angles.empty()) constant_B_ = constant_B_ + (upper_body_moment(angles) - hanging_moment_);
 }
 
 void Body::solve(const Stance& stance, const Compliance& compliance, std::span<Angle> targets) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 
 #include "firmware/robot/leg.h"
@@ -28,18 +29,30 @@ struct Compliance {
 
 // Computes the joint angles of the legs that bring CoM, trunk and soles into a stance.
 //
-// The arms hang down, and the masses of a leg lie on the line from hip to ankle. Then the CoM is linear in
-// the positions of trunk B and soles L, R,
+// The masses of a leg lie on the line from hip to ankle. Then the CoM is linear in the positions of trunk B
+// and soles L, R,
 //
 //   p_Com = (1 - 2 mu) p_B + R_SupportB k + mu (p_L + p_R),
 //
 // and the position of the trunk follows without iteration. mu is the share of a leg's mass that moves with
-// the sole, k a constant of the body. Knees in front of that line move the CoM by 1 to 2 mm, in every step
+// the sole. k depends on the angles of waist, arms and head: for a joint i with the share m_i of the robot's
+// mass in its link, the share n_i in all links that it carries, and the links j that are mounted on its own,
+//
+//   M_i = m_i c_i + sum_j (n_j a_j + R_j M_j),   k = k_0 + sum_i (R_i M_i - M_i at joint zero)
+//
+// with the centre of mass c_i, the anchors a_j, the rotations R_j about the joints, and the second sum over
+// the joints on the trunk. Knees in front of that line move the CoM by 1 to 2 mm, in every step
 // alike; the parameter zmp_forward takes that up.
 class Body {
  public:
-  // `model` must outlive the body, and have legs.
-  explicit Body(const robot::RobotModel& model);
+  // `model` must outlive the body.
+  [[gnu::cold]] explicit Body(const robot::RobotModel& model);
+
+  // Returns whether the robot has two legs that walk; `solve` requires them.
+  [[nodiscard]] bool has_legs() const { return has_legs_; }
+  // Places waist, arms and head for the following poses. `angles` has one angle for each joint of the model;
+  // empty: all at zero, as at first.
+  void set_upper_body(std::span<const fixed::Angle> angles);
 
   // Writes the targets of the legs' joints. A leg that does not reach its sole's pose comes as near as it can
   // (robot::leg_inverse_kinematics).
@@ -51,13 +64,21 @@ class Body {
   void compensate(std::size_t side, const Stance& stance, const Compliance& compliance,
                   const robot::Position& p_SH, robot::LegAngles& leg) const;
 
+  [[gnu::cold]] void find_upper_body();
+  [[nodiscard]] robot::Position upper_body_moment(std::span<const fixed::Angle> angles) const;
+
   const robot::RobotModel& model_;
+  bool has_legs_ = false;
   hal::BySide<robot::LegGeometry> legs_{};
   hal::BySide<robot::LegAngles> solutions_{};  // of the last cycle, without compensation
   bool is_solved_ = false;
-  robot::Position constant_B_;  // k
-  fixed::Ratio foot_share_;     // mu
-  fixed::Ratio inverse_share_;  // 1 / (1 - 2 mu)
+  std::uint32_t upper_joints_ = 0;                            // of waist, arms and head; bit i: joint i
+  std::array<robot::Position, robot::kMaxJoints> moments_{};  // m_i c_i + sum_j n_j a_j
+  robot::Position hanging_moment_;                            // of the upper body at joint zero
+  robot::Position hanging_B_;                                 // k_0
+  robot::Position constant_B_;                                // k
+  fixed::Ratio foot_share_;                                   // mu
+  fixed::Ratio inverse_share_;                                // 1 / (1 - 2 mu)
 };
 
 }  // namespace koboshi::walk

@@ -72,6 +72,7 @@ Gait::Gait(const WalkParameters& parameters) {
   compliance = {.pitch = fixed::from_rad(permille(posture.pitch_compliance)),
                 .roll = fixed::from_rad(permille(posture.roll_compliance))};
   arm_swing = permille(posture.arm_swing);
+  follows_upper_body = posture.fixed_upper_body == 0;
   capture_forward = permille(reaction.capture_forward);
   capture_lateral = permille(reaction.capture_lateral);
   dead_band = tenths_of_mm(reaction.dead_band);

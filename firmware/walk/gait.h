@@ -40,6 +40,8 @@ struct WalkParameters {
     std::int16_t pitch_compliance = 0;
     std::int16_t roll_compliance = 0;
     std::int16_t arm_swing = 0;  // of a shoulder, mrad for each metre that the other side's foot is in front
+    // 1: the plan takes waist, arms and head at joint zero; 0: where they are.
+    std::int16_t fixed_upper_body = 0;
 
     friend bool operator==(const Posture&, const Posture&) = default;
   } posture;  // 0x2131
@@ -84,6 +86,7 @@ struct Gait {
   fixed::Angle pitch_at_1_m_per_s;  // beside it
   Compliance compliance;
   fixed::Ratio arm_swing;  // rad/m
+  bool follows_upper_body;
   fixed::Ratio capture_forward;
   fixed::Ratio capture_lateral;
   fixed::Length dead_band;

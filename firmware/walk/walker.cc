@@ -79,7 +79,7 @@ Walker::Walker(const robot::RobotModel& model)
 }
 
 void Walker::start(const WalkParameters& parameters, std::span<const Angle> targets) {
-  KOBOSHI_ASSERT(model_.joint_count > 0 && targets.size() == model_.joint_count);
+  KOBOSHI_ASSERT(is_possible() && targets.size() == model_.joint_count);
   gait_ = Gait(parameters);
   // Legs without hip yaw cannot turn the robot back to its heading.
   const bool can_turn = model_.find(robot::JointRole::kLeftHipYaw).has_value() &&
@@ -101,6 +101,7 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
   stance_.soles[Side::kRight].p.y = -gait_.step_width;
   com_ = PendulumState::at_rest(middle());
   body_.forget();
+  body_.set_upper_body(gait_.follows_upper_body ? targets : std::span<const Angle>());
   stand_on_both(middle());
   ramp_ = targets_;
   targets_ = standing_targets_;
@@ -115,6 +116,8 @@ void Walker::enter(Phase phase) {
 void Walker::advance(const Velocity& command, const Observation& seen) {
   ++tick_;
   observe(seen);
+  if (gait_.follows_upper_body && running())
+    body_.set_upper_body(seen.angles.empty() ? std::span<const Angle>(targets_) : seen.angles);
   switch (phase_) {
     case Phase::kIdle:
       return;

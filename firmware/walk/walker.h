@@ -19,6 +19,7 @@ struct Observation {
   fixed::Angle pitch;                       // positive forward
   robot::Vector<fixed::AngularRate> rates;  // in the trunk's axes, free of bias
   hal::BySide<fixed::Force> loads{};        // of the feet
+  std::span<const fixed::Angle> angles{};   // measured, of all joints; empty: as the targets
 };
 
 // The ZMP of the plan, in the frame of a foot's sole.
@@ -53,9 +54,11 @@ struct PlannedZmp {
 // end_step() moves everything into its frame; no position in the world is kept.
 class Walker {
  public:
-  // `model` must outlive the walker; a walk needs one with joints.
+  // `model` must outlive the walker; a walk needs one with legs.
   explicit Walker(const robot::RobotModel& model);
 
+  // Returns whether the legs can walk.
+  [[nodiscard]] bool is_possible() const { return body_.has_legs(); }
   // Begins a walk from standing at `targets`, one angle a joint, to which it returns in the end. `parameters`
   // must be a gait (walk::is_gait); they are copied and stay in force for the whole walk.
   void start(const WalkParameters& parameters, std::span<const fixed::Angle> targets);
@@ -75,6 +78,11 @@ class Walker {
   }
   // The ZMP that is planned for the end of this cycle. Empty while the walk begins and ends with a ramp.
   [[nodiscard]] std::optional<PlannedZmp> planned_zmp() const;
+  // The foot that is planned in the air; none in double support.
+  [[nodiscard]] std::optional<hal::Side> swing_foot() const {
+    const bool swings = phase_ == Phase::kStepping && tick_ > gait_.double_ticks;
+    return swings ? std::optional(swing_side()) : std::nullopt;
+  }
   // The planned forward lean of the trunk.
   [[nodiscard]] fixed::Angle pitch() const { return stance_.pitch; }
 

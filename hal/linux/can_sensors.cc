@@ -12,12 +12,33 @@ std::uint16_t word_of(const CanFrame& frame, std::size_t number) {
 
 }  // namespace
 
+bool CanSensors::take_whole(const CanFrame& frame, Sensor& sensor) const {
+  sensor.axes = {};
+  if (ankles_ == AnkleKind::kPressureCells && frame.size == 8) {
+    for (std::size_t cell = 0; cell < 3; ++cell)
+      sensor.axes[0][cell] = static_cast<std::int16_t>(word_of(frame, cell));
+    sensor.axes[1][0] = static_cast<std::int16_t>(word_of(frame, 3));
+    return true;
+  }
+  if (ankles_ == AnkleKind::kContactSwitch && frame.size == 3) {
+    sensor.axes[0][2] = static_cast<std::int16_t>(frame.data[0] & 1);
+    return true;
+  }
+  return false;
+}
+
 bool CanSensors::on_frame(const CanFrame& frame, std::uint64_t now_us) {
   const int number = (frame.identifier & 0x7F) - kInertialNode;
   if (number < 0 || number >= static_cast<int>(sensors_.size()) || frame.remote) return false;
   Sensor& sensor = sensors_[static_cast<std::size_t>(number)];
   const std::uint16_t service = frame.identifier & 0x780;
   if (service != kFirstTpdo && service != kSecondTpdo) return false;
+  if (number > 0 && ankles_ != AnkleKind::kSixAxis) {
+    if (service != kFirstTpdo || !take_whole(frame, sensor)) return true;
+    sensor.complete = sensor.fresh = true;
+    sensor.time_us = now_us;
+    return true;
+  }
   if (frame.size != 8) return true;
   const std::size_t half = service == kFirstTpdo ? 0 : 1;
   for (std::size_t axis = 0; axis < 3; ++axis)

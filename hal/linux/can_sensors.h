@@ -12,7 +12,8 @@ namespace koboshi::hal {
 
 // Converts the PDOs of an inertial unit and two ankle sensors on the CAN bus to the samples of the ports.
 // TPDO 1 carries gyro or force, TPDO 2 accelerometer or torque: three axes and the number of the sample, 16
-// bits each.
+// bits each. Pressure cells and contact switches have TPDO 1 only: four cells of 16 bits, or a byte with the
+// switch in bit 0 and the number of the sample.
 class CanSensors {
  public:
   static constexpr std::uint8_t kInertialNode = 36;
@@ -23,6 +24,8 @@ class CanSensors {
   // samples in a row, one every 4 ms, may be lost; the firmware itself tolerates 50 ms without samples.
   static constexpr std::uint64_t kTimeout_us = 20'000;
 
+  // Sets the kind of the ankle sensors; six axes at first.
+  void set_ankles(AnkleKind kind) { ankles_ = kind; }
   // Takes a received frame. Returns whether it belongs to a sample. `now_us`: time of reception.
   bool on_frame(const CanFrame& frame, std::uint64_t now_us);
   // Returns the latest sample of the inertial unit, to be repeated at the 1 kHz that the firmware expects;
@@ -43,6 +46,10 @@ class CanSensors {
     bool fresh = false;
   };
 
+  // Takes TPDO 1 of pressure cells or a contact switch. Returns false if it is none.
+  bool take_whole(const CanFrame& frame, Sensor& sensor) const;
+
+  AnkleKind ankles_ = AnkleKind::kSixAxis;
   std::array<Sensor, 3> sensors_;
 };
 

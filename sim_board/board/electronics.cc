@@ -122,7 +122,8 @@ void Electronics::attach_sensor_nodes() {
   if (imu_) imu_node_ = std::make_unique<SensorNode>(SensorKind::kInertial, kInertialNode, bus_);
   for (std::size_t side = 0; side < ankles_.size(); ++side) {
     if (ankles_[side])
-      ankle_nodes_[side] = std::make_unique<SensorNode>(SensorKind::kForceTorque, kAnkleNodes[side], bus_);
+      ankle_nodes_[side] =
+          std::make_unique<SensorNode>(sensor_kind(ankles_[side]->kind()), kAnkleNodes[side], bus_);
   }
 }
 

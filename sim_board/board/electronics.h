@@ -69,10 +69,10 @@ class Electronics {  // Large: one member per part that a robot carries
   hal::CanStatus controller_can_status() const { return bus_.status(controller_); }
   const RobotDescription& robot() const { return robot_; }
   const Drive& drive(std::size_t joint) const { return *drives_[joint]; }
-  // Null if the robot has none on this side.
+  // The six-axis sensor of this side; null if the robot has none.
   const AnkleSensor* ankle_sensor(hal::Side side) const {
     const auto& ankle = ankles_[static_cast<std::size_t>(side)];
-    return ankle ? &*ankle : nullptr;
+    return ankle && ankle->kind() == hal::AnkleKind::kSixAxis ? &*ankle : nullptr;
   }
   // Net energy that the servos have drawn from their supply since time zero.
   double drawn_J() const { return drawn_J_; }

@@ -1,6 +1,7 @@
 #include "sim_board/description/description.h"
 
 #include <algorithm>
+#include <array>
 
 #include "sim_board/description/schema/roles.h"
 
@@ -45,6 +46,29 @@ int RobotDescription::mirror_of(int joint) const {
   const JointDescription& described = joints.at(static_cast<std::size_t>(joint));
   const std::string& stated = described.stated_mirror;
   return find_joint(stated.empty() ? other_side(described.role()) : stated).value_or(joint);
+}
+
+std::optional<int> RobotDescription::foot_joint(hal::Side side) const {
+  const std::string prefix = side == hal::Side::kLeft ? "left_" : "right_";
+  const auto in_leg = [&](const JointDescription& joint) {
+    constexpr std::array kLeg{"hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle_pitch", "ankle_roll"};
+    return std::ranges::any_of(kLeg, [&](const char* name) { return joint.role() == prefix + name; });
+  };
+  const auto depth = [&](const JointDescription& joint) {
+    int links = 0;
+    for (int link = joint.parent; link > 0 && links <= static_cast<int>(joints.size()); ++links) {
+      const auto carrier = std::ranges::find(joints, link, &JointDescription::child);
+      link = carrier == joints.end() ? 0 : carrier->parent;
+    }
+    return links;
+  };
+  std::optional<int> foot;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (!in_leg(joints[i])) continue;
+    if (!foot || depth(joints[i]) > depth(joints[static_cast<std::size_t>(*foot)]))
+      foot = static_cast<int>(i);
+  }
+  return foot;
 }
 
 std::optional<int> RobotDescription::find_link(const std::string& link_name) const {

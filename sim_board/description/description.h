@@ -10,6 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "hal/port/ankle.h"
+#include "hal/port/side.h"
+
 namespace koboshi::sim_board {
 
 // A robot as described in its file, in SI units and radians. Frames follow REP-103: x forward, y left, z up.
@@ -215,16 +218,19 @@ struct ImuDescription {
   double g_sensitivity = 0.0;        // bound of a gyro axis' g-sensitivity, rad/s per m/s^2
 };
 
-// Six-axis sensor between shank side and ground side. It measures the wrench across `joint` and below; frame
-// S is at the sensor.
+// Sensor of a foot; frame S is at the sensor. Six axes, between shank side and ground side, measure the
+// wrench across `joint` and below. Pressure cells and a contact switch are in the sole.
 struct AnkleSensorDescription {
+  hal::AnkleKind kind = hal::AnkleKind::kSixAxis;  // not kNone
   std::string name;
-  int line = 0;                                            // in the file; 0: not from a file
-  int joint = -1;                                          // the hinge whose child is the foot
-  Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();  // in the foot link's frame
-  double height_above_sole_m = 0.0;                        // d of the paper's equation 1
-  ChannelDescription force;                                // N
-  ChannelDescription torque;                               // N m
+  int line = 0;                                                  // in the file; 0: not from a file
+  int joint = -1;                                                // the hinge whose child is the foot
+  Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();        // in the foot link's frame
+  double height_above_sole_m = 0.0;                              // d of the paper's equation 1
+  ChannelDescription force;                                      // N; of a cell; of a switch, its contact
+  ChannelDescription torque;                                     // N m; of six axes only
+  std::array<Eigen::Vector2d, hal::kPressureCells> cells_S_m{};  // of pressure cells
+  double closing_force_N = 0.0;                                  // of a switch; it opens at half of it
   double crosstalk = 0.0;  // bound of the crosstalk from torque to force and back, as a share of the ranges
 };
 
@@ -253,6 +259,11 @@ struct RobotDescription {
   std::optional<int> find_joint(const std::string& name_or_role) const;
   // Returns the joint of the other side; the joint itself if it is in the middle or alone.
   int mirror_of(int joint) const;
+  // Returns the joint that carries the foot: the last one of the leg's joints (roles from hip_yaw to
+  // ankle_roll), from the base down. Nothing if the robot has no such leg.
+  std::optional<int> foot_joint(hal::Side side) const;
+  // Returns the kind of the sensors in the feet.
+  hal::AnkleKind ankle_kind() const { return left_ankle ? left_ankle->kind : hal::AnkleKind::kNone; }
   // Returns the index of the link with this name, or nothing.
   std::optional<int> find_link(const std::string& link_name) const;
   // Returns the joints that a name in a user's file refers to: the joint itself, or those whose names or

@@ -47,6 +47,7 @@ void find_link_faults(const XmlNode& link, const std::filesystem::path& folder, 
 void find_joint_faults(const XmlNode& joint, FaultList& faults);
 void find_servo_faults(const XmlNode& servo_type, FaultList& faults);
 void find_sensor_faults(const XmlNode& sensor, FaultList& faults);
+void find_ankle_faults(const XmlNode& sensor, FaultList& faults);  // of a joint's sensor
 void find_unit_faults(const XmlNode& model, FaultList& faults);
 // Find the faults of the model as a whole; all references must be sound.
 void find_tree_faults(const XmlNode& model, const ModelFrames& frames, FaultList& faults);

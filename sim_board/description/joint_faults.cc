@@ -109,7 +109,7 @@ void find_role_faults(const XmlNode& model, FaultList& faults) {
 void find_joint_faults(const XmlNode& joint, FaultList& faults) {
   find_axis_faults(joint.child("axis").child("xyz"), faults);
   find_range_faults(joint, faults);
-  for (const XmlNode& sensor : joint.children("sensor")) find_sensor_faults(sensor, faults);
+  for (const XmlNode& sensor : joint.children("sensor")) find_ankle_faults(sensor, faults);
 }
 
 }  // namespace koboshi::sim_board

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "sim_board/description/load_parts.h"
+#include "sim_board/description/schema/schema_rules.h"
 
 namespace koboshi::sim_board {
 namespace {
@@ -20,6 +21,36 @@ ChannelDescription load_channel(const XmlNode& sensor, const std::string& name) 
                              .jitter_s = sensor.number("koboshi:jitter_s", 0.0),
                              .delay_s = node.number("delay_s")};
   return channel;
+}
+
+// A switch follows the load of its foot within milliseconds.
+ChannelDescription switch_channel(const XmlNode& sensor) {
+  return {.bandwidth_Hz = 200.0,
+          .range = 32.0 * sensor.number("koboshi:closing_force_N"),
+          .resolution = sensor.number("koboshi:closing_force_N") / 1000.0,
+          .sample_period_s = 1.0 / sensor.number("update_rate"),
+          .jitter_s = sensor.number("koboshi:jitter_s", 0.0)};
+}
+
+// The sensing elements, by the type of the sensor.
+void load_elements(const XmlNode& node, AnkleSensorDescription& sensor) {
+  const std::string type = node.attribute("type");
+  if (type == kPressureCellsType) {
+    sensor.kind = hal::AnkleKind::kPressureCells;
+    sensor.force = sensor.torque = load_channel(node, "koboshi:cell_force");
+    const std::vector<XmlNode> cells = node.children("koboshi:cell");
+    for (std::size_t i = 0; i < sensor.cells_S_m.size(); ++i) {
+      const std::vector<double> place = cells.at(i).numbers();
+      sensor.cells_S_m[i] = {place[0], place[1]};
+    }
+  } else if (type == kContactSwitchType) {
+    sensor.kind = hal::AnkleKind::kContactSwitch;
+    sensor.force = sensor.torque = switch_channel(node);
+    sensor.closing_force_N = node.number("koboshi:closing_force_N");
+  } else {
+    sensor.force = load_channel(node, "koboshi:force");
+    sensor.torque = load_channel(node, "koboshi:torque");
+  }
 }
 
 // Height of the sensor above the lowest corner of the link's boxes, at joint angles zero.
@@ -63,9 +94,10 @@ void load_ankle_sensors(const XmlNode& joint_node, const ModelFrames& frames, Ro
                                   .line = node.line(),
                                   .joint = robot.find_joint(joint).value(),
                                   .X_LS = frames.pose(joint, foot.name).isometry() * X_JS.isometry(),
-                                  .force = load_channel(node, "koboshi:force"),
-                                  .torque = load_channel(node, "koboshi:torque"),
+                                  .force = {},
+                                  .torque = {},
                                   .crosstalk = node.number("koboshi:crosstalk", 0.0)};
+    load_elements(node, sensor);
     sensor.height_above_sole_m = height_above_sole_m(foot, sensor.X_LS);
     (name == "left_ankle" ? robot.left_ankle : robot.right_ankle) = sensor;
   }

@@ -1,5 +1,9 @@
 #include "sim_board/sensor/ankle_sensor.h"
 
+#include <algorithm>
+
+#include "sim_board/sensor/pressure_cells.h"
+
 namespace koboshi::sim_board {
 namespace {
 
@@ -13,7 +17,10 @@ Eigen::Vector3d anchor_in_child(const RobotDescription& robot, int joint_index) 
 
 AnkleSensor::AnkleSensor(const AnkleSensorDescription& description, const RobotDescription& robot,
                          const SensorErrors& errors)
-    : joint_(description.joint),
+    : description_(description),
+      sole_(foot_of(robot, description)),
+      robot_(&robot),
+      joint_(description.joint),
       foot_(robot.joints.at(static_cast<std::size_t>(description.joint)).child),
       R_SL_(description.X_LS.linear().transpose()),
       p_SJ_S_(description.X_LS.inverse() * anchor_in_child(robot, description.joint)),
@@ -22,7 +29,21 @@ AnkleSensor::AnkleSensor(const AnkleSensorDescription& description, const RobotD
                 description.name + ".torque", description.name, errors) {}
 
 void AnkleSensor::step(const World& world, std::uint64_t time_us) {
+  if (description_.kind != hal::AnkleKind::kSixAxis) return step_sole(world, time_us);
   step(world.body(foot_), world.joint_wrench(joint_), time_us);
+}
+
+void AnkleSensor::step_sole(const World& world, std::uint64_t time_us) {
+  const FootPressure pressure = foot_pressure(*robot_, sole_, world);
+  Eigen::Vector3d first = Eigen::Vector3d::UnitZ() * pressure.load_N;
+  Eigen::Vector3d second = Eigen::Vector3d::Zero();
+  if (description_.kind == hal::AnkleKind::kPressureCells) {
+    // The sole's frame lies below the sensor and has its axes.
+    const CellForces cells = distribute_load(description_.cells_S_m, pressure.load_N, pressure.zmp_S_m);
+    first = {cells[0], cells[1], cells[2]};
+    second = {cells[3], 0.0, 0.0};
+  }
+  channels_.step(first, second, time_us);
 }
 
 void AnkleSensor::step(const BodyState& foot, const Wrench& joint_W, std::uint64_t time_us) {
@@ -41,6 +62,16 @@ bool AnkleSensor::poll(std::uint64_t now_us, hal::AnkleSample& sample) {
   SixAxis::Sample raw;
   if (!channels_.poll(now_us, raw)) return false;
   sample = {static_cast<std::uint32_t>(raw.time_us), raw.first_raw, raw.second_raw};
+  if (description_.kind == hal::AnkleKind::kPressureCells) {
+    // Cells cannot pull; the two channels without a cell have none.
+    for (std::int16_t& counts : sample.force_raw) counts = std::max<std::int16_t>(counts, 0);
+    sample.torque_raw = {std::max<std::int16_t>(raw.second_raw[0], 0), 0, 0};
+  } else if (description_.kind == hal::AnkleKind::kContactSwitch) {
+    const double load_N = description_.force.resolution * raw.first_raw[2];
+    closed_ = load_N >= (closed_ ? 0.5 : 1.0) * description_.closing_force_N;
+    sample.force_raw = {0, 0, static_cast<std::int16_t>(closed_ ? 1 : 0)};
+    sample.torque_raw = {};
+  }
   return true;
 }
 

@@ -25,6 +25,13 @@ void SensorNode::store(const Axes& first, std::int16_t (&first_values)[3], const
   ++values_.sample;
 }
 
+void SensorNode::take(const hal::AnkleSample& sample) {
+  store(sample.force_raw, values_.force, sample.torque_raw, values_.torque);
+  std::ranges::copy(sample.force_raw, values_.cells);
+  values_.cells[3] = sample.torque_raw[0];
+  values_.contact = static_cast<std::uint8_t>(sample.force_raw[2] & 1);
+}
+
 void SensorNode::update(std::uint64_t now_us) {
   now_us_ = now_us;
   if (!started_ && now_us >= kBootTime_us) {

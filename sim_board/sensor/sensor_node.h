@@ -34,9 +34,7 @@ class SensorNode final : private BusNode,
   void take(const hal::ImuSample& sample) {
     store(sample.gyro_raw, values_.gyro, sample.accelerometer_raw, values_.accelerometer);
   }
-  void take(const hal::AnkleSample& sample) {
-    store(sample.force_raw, values_.force, sample.torque_raw, values_.torque);
-  }
+  void take(const hal::AnkleSample& sample);
   // Call it once per millisecond: processes timers, storage and bus-off recovery.
   void update(std::uint64_t now_us);
 

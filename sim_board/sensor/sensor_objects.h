@@ -14,6 +14,8 @@ using enum canopen::Mappable;
 inline constexpr canopen::ValueName kSensorKindNames[] = {
     canopen::value_name(SensorKind::kInertial, "inertial unit"),
     canopen::value_name(SensorKind::kForceTorque, "force/torque sensor"),
+    canopen::value_name(SensorKind::kPressureCells, "pressure cells"),
+    canopen::value_name(SensorKind::kContactSwitch, "contact switch"),
 };
 
 inline constexpr canopen::Unit kGyroCount{.name = "deg/s", .resolution = canopen::Resolution::kGyro};
@@ -67,6 +69,30 @@ inline constexpr canopen::DescribedObject kAnkleObjects[] = {
      {.name = "Torque", .unit = kTorqueCount, .elements = canopen::kAxes}},
 };
 static_assert(canopen::is_described(kAnkleObjects));
+
+inline constexpr canopen::DescribedObject kPressureCellObjects[] = {
+    kSensorKind,
+    kSensorSample,
+    kSensorTime,
+    kSensorTimeMs,
+    kSensorTimeDays,
+    canopen::heading(0x7100, "AI input field value", "The force on each cell, in counts (CiA 404)."),
+    {OBJECT(0x7100, 1, cells[0], kReadOnly, kTpdo).repeated(hal::kPressureCells, 2),
+     {.name = "Cell", .unit = kForceCount}},
+};
+static_assert(canopen::is_described(kPressureCellObjects));
+
+inline constexpr canopen::DescribedObject kContactSwitchObjects[] = {
+    kSensorKind,
+    kSensorSample,
+    kSensorTime,
+    kSensorTimeMs,
+    kSensorTimeDays,
+    canopen::heading(0x6000, "Read input 8-bit", "CiA 401."),
+    {OBJECT(0x6000, 1, contact, kReadOnly, kTpdo),
+     {.name = "Contact", .comment = "Bit 0: the switch is closed, the foot bears a load."}},
+};
+static_assert(canopen::is_described(kContactSwitchObjects));
 
 #undef OBJECT
 

@@ -15,10 +15,10 @@ bool is_of_ground(const Contact& contact, const Foot& foot) {
   return contact.link == foot.link && contact.other_link < 0;
 }
 
-Foot make_foot(const RobotDescription& robot, const AnkleSensorDescription& sensor) {
+Foot make_foot(const RobotDescription& robot, int joint, const Isometry3d& X_LSole) {
   Foot foot;
-  foot.link = robot.joints.at(static_cast<std::size_t>(sensor.joint)).child;
-  foot.X_LSole = sensor.X_LS * Eigen::Translation3d(0.0, 0.0, -sensor.height_above_sole_m);
+  foot.link = robot.joints.at(static_cast<std::size_t>(joint)).child;
+  foot.X_LSole = X_LSole;
   for (const BoxDescription& box : robot.links.at(static_cast<std::size_t>(foot.link)).collisions) {
     for (const double x : {-0.5, 0.5}) {
       for (const double y : {-0.5, 0.5}) {
@@ -29,12 +29,34 @@ Foot make_foot(const RobotDescription& robot, const AnkleSensorDescription& sens
   return foot;
 }
 
+// The foot below the last joint of a leg.
+std::optional<Foot> foot_below(const RobotDescription& robot, hal::Side side) {
+  const auto index = robot.foot_joint(side);
+  if (!index) return std::nullopt;
+  const JointDescription& joint = robot.joints.at(static_cast<std::size_t>(*index));
+  const LinkDescription& link = robot.links.at(static_cast<std::size_t>(joint.child));
+  if (link.collisions.empty()) return std::nullopt;
+  double lowest_m = std::numeric_limits<double>::infinity();
+  for (const BoxDescription& box : link.collisions) {
+    const Isometry3d X_MG = link.X_ML * box.X_LG;
+    const double half_m = X_MG.linear().row(2).cwiseAbs().dot(box.size_m.transpose()) / 2;
+    lowest_m = std::min(lowest_m, X_MG.translation().z() - half_m);
+  }
+  const Vector3d p_MSole(joint.p_MJ.x(), joint.p_MJ.y(), lowest_m);
+  return make_foot(robot, *index, link.X_ML.inverse() * Eigen::Translation3d(p_MSole));
+}
+
 }  // namespace
+
+Foot foot_of(const RobotDescription& robot, const AnkleSensorDescription& sensor) {
+  return make_foot(robot, sensor.joint,
+                   sensor.X_LS * Eigen::Translation3d(0.0, 0.0, -sensor.height_above_sole_m));
+}
 
 std::array<std::optional<Foot>, 2> feet_of(const RobotDescription& robot) {
   std::array<std::optional<Foot>, 2> feet;
-  if (robot.left_ankle) feet[0] = make_foot(robot, *robot.left_ankle);
-  if (robot.right_ankle) feet[1] = make_foot(robot, *robot.right_ankle);
+  feet[0] = robot.left_ankle ? foot_of(robot, *robot.left_ankle) : foot_below(robot, hal::Side::kLeft);
+  feet[1] = robot.right_ankle ? foot_of(robot, *robot.right_ankle) : foot_below(robot, hal::Side::kRight);
   return feet;
 }
 

@@ -19,7 +19,10 @@ struct Foot {
   std::vector<Eigen::Vector3d> corners_L;                     // undersides of the link's boxes
 };
 
-// Returns the feet by hal::Side; a side without an ankle sensor has none.
+// Returns the foot with this sensor: its sole lies below the sensor.
+Foot foot_of(const RobotDescription& robot, const AnkleSensorDescription& sensor);
+// Returns the feet by hal::Side. Without an ankle sensor the sole lies below the last joint of the leg, and
+// has the axes of the model at joint angles zero; without a leg a side has no foot.
 std::array<std::optional<Foot>, 2> feet_of(const RobotDescription& robot);
 
 // Load below which slip and pressure of a foot are not evaluated: a twelfth of the robot's weight.

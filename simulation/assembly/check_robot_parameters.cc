@@ -75,6 +75,8 @@ class RobotParameterCheck {
     check_complete(kGait, "a gait");
     check_complete(kFallLimits, "fall detection");
     if (is_given(kGait.front())) {
+      if (!body_.has_legs())
+        throw error(kGait.front(), "no gait of a robot whose legs cannot walk", "legs that walk");
       check_soles();
       check_reach();
     }

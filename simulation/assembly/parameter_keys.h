@@ -74,6 +74,7 @@ inline constexpr ParameterKey kParameterKeys[] = {
     {{0x2131, 0x06}, "pitch_compliance_rad_per_m"},
     {{0x2131, 0x07}, "roll_compliance_rad_per_m"},
     {{0x2131, 0x08}, "arm_swing_rad_per_m"},
+    {{0x2131, 0x09}, "fixed_upper_body"},
     {{0x2132, 0x01}, "capture_forward_percent"},
     {{0x2132, 0x02}, "capture_lateral_percent"},
     {{0x2132, 0x03}, "capture_dead_band_mm"},

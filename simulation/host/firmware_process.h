@@ -20,7 +20,9 @@ class FirmwareProcess {
   // transport must outlive this object.
   FirmwareProcess(std::span<const std::byte> storage_contents, sim_board::Transport& transport,
                   const std::filesystem::path& storage_file = {})
-      : host_(storage_contents, storage_file, hal::CanSensors::kNodes), transport_(transport) {}
+      : host_(storage_contents, storage_file, hal::CanSensors::kNodes), transport_(transport) {
+    sensors_.set_ankles(host_.model().ankle_kind);
+  }
 
   // Services the firmware; call it once per millisecond. Every tenth call is a tick. `now_us` counts from the
   // start.

@@ -29,6 +29,7 @@ class InProcessHost final : public sim_board::ControllerHost {
     archive.in_place(board_, controller_);
   }
   const app::ControllerValues& values() const { return controller_.values(); }
+  const robot::RobotModel& model() const { return controller_.model(); }
 
  private:
   FlashMemory flash_;

@@ -153,11 +153,9 @@ robot::Joint joint_fields(const RobotDescription& robot, const BaseFrame& frame,
 }
 
 void set_inertial_unit(const RobotDescription& robot, const BaseFrame& frame, robot::RobotModel& model) {
-  if (!robot.imu || robot.imu->link != 0) {
-    throw InputError(robot.file, robot.imu ? robot.imu->line : robot.line,
-                     robot.imu ? "an inertial unit outside the base" : "no inertial unit", "one in the base");
-  }
-  const Isometry3d X_MI = robot.links[0].X_ML * robot.imu->X_LS;
+  if (!robot.imu) throw InputError(robot.file, robot.line, "no inertial unit", "one in any link");
+  model.imu_link = link_index(robot, robot.imu->link);
+  const Isometry3d X_MI = robot.links.at(static_cast<std::size_t>(robot.imu->link)).X_ML * robot.imu->X_LS;
   const auto R_IB =
       robot::Rotation{{frame.direction(X_MI.linear().col(0)), frame.direction(X_MI.linear().col(1)),
                        frame.direction(X_MI.linear().col(2))}};

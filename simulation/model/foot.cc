@@ -47,17 +47,11 @@ struct Ankle {
   Vector3d p_BAnkle;
 };
 
-std::optional<Ankle> find_ankle(const RobotDescription& robot, const std::string& side) {
-  const auto find = [&](const std::string& role) {
-    return std::ranges::find_if(robot.joints, [&](const auto& joint) { return joint.role() == role; });
-  };
-  const auto roll = find(side + "_ankle_roll");
-  if (roll == robot.joints.end()) return std::nullopt;
-  const auto pitch = find(side + "_ankle_pitch");
-  const bool pitch_is_last = pitch != robot.joints.end() && pitch->parent == roll->child;
-  const auto last = pitch_is_last ? pitch : roll;
-  return Ankle{last->name, static_cast<int>(last - robot.joints.begin()),
-               robot.links.at(0).X_ML.inverse() * last->p_MJ};
+std::optional<Ankle> find_ankle(const RobotDescription& robot, hal::Side side) {
+  const auto joint = robot.foot_joint(side);
+  if (!joint) return std::nullopt;
+  const sim_board::JointDescription& last = robot.joints.at(static_cast<std::size_t>(*joint));
+  return Ankle{last.name, *joint, robot.links.at(0).X_ML.inverse() * last.p_MJ};
 }
 
 void set_sole(const RobotDescription& robot, const Ankle& ankle, robot::Foot& foot) {
@@ -87,7 +81,7 @@ void set_sensor(const RobotDescription& robot, const Ankle& ankle,
       robot.links.at(0).X_ML.inverse() * robot.links.at(static_cast<std::size_t>(link)).X_ML * sensor.X_LS;
   if (sensor.joint != ankle.joint || !X_BS.linear().isApprox(Eigen::Matrix3d::Identity(), 1e-6)) {
     throw InputError(robot.file, sensor.line, "the sensor " + sensor.name,
-                     "a force/torque sensor on " + ankle.name + " with the foot's axes");
+                     "a sensor on " + ankle.name + " with the foot's axes");
   }
   const Vector3d p_BSole = ankle.p_BAnkle - Vector3d(0, 0, fixed::to_double(foot.ankle_height));
   const Vector3d p_SoleS = X_BS.translation() - p_BSole;
@@ -96,7 +90,21 @@ void set_sensor(const RobotDescription& robot, const Ankle& ankle,
                      "the sensor " + sensor.name + " at another height above the sole than it says",
                      std::to_string(p_SoleS.z()) + " m");
   }
-  foot.sensor = fixed_position(p_SoleS);
+  if (sensor.kind == hal::AnkleKind::kSixAxis) foot.sensor = fixed_position(p_SoleS);
+  if (sensor.kind != hal::AnkleKind::kPressureCells) return;
+  for (std::size_t i = 0; i < foot.cells.size(); ++i)
+    foot.cells[i] = {from_double<fixed::Length>(p_SoleS.x() + sensor.cells_S_m[i].x()),
+                     from_double<fixed::Length>(p_SoleS.y() + sensor.cells_S_m[i].y())};
+}
+
+// A torque scale in which the torque of all cells at full scale fits.
+double cell_torque_scale_Nm(const robot::RobotModel& model, double force_scale_N) {
+  double longest_m = 0.0;
+  for (const robot::Foot& foot : model.feet)
+    for (const robot::Cell& cell : foot.cells)
+      longest_m =
+          std::max({longest_m, std::abs(fixed::to_double(cell.x)), std::abs(fixed::to_double(cell.y))});
+  return force_scale_N * longest_m;
 }
 
 }  // namespace
@@ -119,29 +127,37 @@ fixed::Length body_height(const RobotDescription& robot) {
 }
 
 void set_feet(const RobotDescription& robot, robot::RobotModel& model, std::vector<InputError>& errors) {
-  if (!robot.left_ankle || !robot.right_ankle) {
-    errors.emplace_back(robot.file, robot.line, "an ankle without a force/torque sensor", "one in each");
+  if (robot.left_ankle.has_value() != robot.right_ankle.has_value()) {
+    errors.emplace_back(robot.file, (robot.left_ankle ? robot.left_ankle : robot.right_ankle)->line,
+                        "a sensor in one ankle only", "one in each, or none");
     return;
   }
+  model.ankle_kind = robot.ankle_kind();
+  const auto set_foot = [&](hal::Side side, const std::optional<sim_board::AnkleSensorDescription>& sensor) {
+    collect_error(errors, [&] {
+      const auto ankle = find_ankle(robot, side);
+      if (!ankle)
+        throw InputError(robot.file, robot.line,
+                         std::string("no leg on the ") + (side == hal::Side::kLeft ? "left" : "right"),
+                         "joints with roles of a leg, such as ankle_roll, on both sides");
+      set_sole(robot, *ankle, model.feet[side]);
+      if (sensor) set_sensor(robot, *ankle, *sensor, model.feet[side]);
+    });
+  };
+  set_foot(hal::Side::kLeft, robot.left_ankle);
+  set_foot(hal::Side::kRight, robot.right_ankle);
+  if (!model.measures_loads()) return;
   if (robot.left_ankle->force.resolution != robot.right_ankle->force.resolution ||
       robot.left_ankle->torque.resolution != robot.right_ankle->torque.resolution) {
     errors.emplace_back(robot.file, robot.right_ankle->line, "ankle sensors of different resolution",
                         "two of a kind");
   }
-  model.scales.ankle_force = from_double<fixed::Force>(robot.left_ankle->force.resolution * kFullScaleCounts);
+  const bool has_cells = model.ankle_kind == hal::AnkleKind::kPressureCells;
+  const double force_N = robot.left_ankle->force.resolution * kFullScaleCounts * (has_cells ? 4.0 : 1.0);
+  model.scales.ankle_force = from_double<fixed::Force>(force_N);
   model.scales.ankle_torque =
-      from_double<fixed::Torque>(robot.left_ankle->torque.resolution * kFullScaleCounts);
-  const auto set_foot = [&](const char* side, const sim_board::AnkleSensorDescription& sensor,
-                            robot::Foot& foot) {
-    collect_error(errors, [&] {
-      const auto ankle = find_ankle(robot, side);
-      if (!ankle) return;  // find_leg_faults() says so
-      set_sole(robot, *ankle, foot);
-      set_sensor(robot, *ankle, sensor, foot);
-    });
-  };
-  set_foot("left", *robot.left_ankle, model.feet[0]);
-  set_foot("right", *robot.right_ankle, model.feet[1]);
+      from_double<fixed::Torque>(has_cells ? cell_torque_scale_Nm(model, force_N)
+                                           : robot.left_ankle->torque.resolution * kFullScaleCounts);
 }
 
 }  // namespace koboshi::simulation

@@ -57,6 +57,19 @@ void write_joint(ImageWriter& writer, const robot::Joint& joint) {
   writer.vector(joint.centre_of_mass);
 }
 
+// Only where the sensors are others than an inertial unit in the base and six axes in the ankles.
+void write_sensors(ImageWriter& writer, const robot::RobotModel& model) {
+  if (model.ankle_kind == hal::AnkleKind::kSixAxis && model.imu_link.is_trunk()) return;
+  writer.u8(static_cast<std::uint8_t>(model.ankle_kind));
+  writer.i8(model.imu_link.raw());
+  for (const robot::Foot& foot : model.feet) {
+    for (const robot::Cell& cell : foot.cells) {
+      writer.quantity(cell.x);
+      writer.quantity(cell.y);
+    }
+  }
+}
+
 constexpr std::array<std::string_view, 16> kModelStatusTexts{
     "a good robot model",
     "a robot model cut short",
@@ -73,7 +86,7 @@ constexpr std::array<std::string_view, 16> kModelStatusTexts{
     "two drives with one node id",
     "two joints with one role",
     "a left-right table that does not lead back",
-    "a leg without one of its joints, or with joints that cannot move its sole in all directions",
+    "a side without a leg, or a leg with joints that cannot move its sole in all directions",
 };
 
 std::optional<robot::Position> hand_tip(const RobotDescription& robot, const robot::RobotModel& model,
@@ -103,6 +116,7 @@ std::vector<std::byte> make_image(const RobotDescription& robot, std::vector<Inp
   ImageWriter writer;
   write_body(writer, fields);
   for (std::size_t i = 0; i < fields.joint_count; ++i) write_joint(writer, fields.joints[i]);
+  write_sensors(writer, fields);
   std::vector<std::byte> image = writer.finish(robot::kModelMagic, robot::kModelVersion);
   robot::RobotModel loaded;
   const robot::ModelStatus status = robot::load_model(image, loaded);

@@ -10,6 +10,7 @@
 #include "base/text/user_units.h"
 #include "sim_board/world/options.h"
 #include "simulation/assembly/parameters.h"
+#include "simulation/model/abilities.h"
 #include "simulation/observe/posture.h"
 
 namespace koboshi::simulation {
@@ -145,10 +146,10 @@ void RunRecorder::make_row() {
   const Telemetry& told = telemetry_.now();
   const Eigen::Isometry3d& X_WSole = truth_now_->X_WSole[static_cast<std::size_t>(told.zmp.frame)];
   TraceSample sample{told, *truth_now_, simulation_.board(), kNowhere, kNowhere, kNowhere};
-  if (told.zmp.valid) {
-    sample.zmp_W = X_WSole * Eigen::Vector3d(told.zmp.x_m, told.zmp.y_m, 0.0);
+  if (told.zmp.valid) sample.zmp_W = X_WSole * Eigen::Vector3d(told.zmp.x_m, told.zmp.y_m, 0.0);
+  // A robot that never has a valid ZMP knows its centre of mass all the same.
+  if (told.zmp.valid || !simulation_.model().model.measures_loads())
     sample.com_W = X_WSole * Eigen::Vector3d(told.com_S_m.data());
-  }
   if (walk_) sample.planned_zmp_W = walk_->planned_zmp_W(*truth_now_).value_or(kNowhere);
   row_.clear();
   for (const TraceFields& fields : trace_) fields.append(sample, row_);
@@ -174,6 +175,8 @@ RunSummary RunRecorder::summary() const {
   summary.stepper = sim_board::name_of(simulation_.scenario().physics.stepper);
   summary.base_height_error_max_m = base_height_error_m_;
   summary.foot_slip_max_m = foot_slip_m_;
+  for (const LostAbility& lost : find_lost_abilities(simulation_.model().model))
+    summary.lost_abilities.push_back(lost.name);
   if (walk_) summary.walk = walk_->summary();
   return summary;
 }

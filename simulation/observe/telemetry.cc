@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <numbers>
 #include <span>
 
@@ -76,7 +77,9 @@ void TelemetryReader::on_bus_frame(const hal::CanFrame& frame, std::uint64_t, st
 }
 
 void TelemetryReader::read_controller(std::uint16_t base, const hal::CanFrame& frame) {
+  // Not a number on a robot that does not measure it.
   const auto load_N = [&] {
+    if (!model_.measures_loads()) return std::numeric_limits<double>::quiet_NaN();
     return fixed::to_double(model_.scales.ankle_force) * signed_16(frame, 0) / (1 << 15);
   };
   switch (base) {
@@ -106,7 +109,7 @@ void TelemetryReader::read_controller(std::uint16_t base, const hal::CanFrame& f
   }
 }
 
-// The flags come last. The values of an invalid ZMP are zero.
+// The flags come last. The values of an invalid ZMP are zero, or app::kNoLength.
 void TelemetryReader::read_balance(std::uint16_t base, const hal::CanFrame& frame) {
   const auto length_m = [&](std::size_t at) { return kMetrePerLengthUnit * signed_16(frame, at); };
   switch (base) {
@@ -127,6 +130,8 @@ void TelemetryReader::read_balance(std::uint16_t base, const hal::CanFrame& fram
       telemetry_.com_S_m[2] = length_m(0);
       telemetry_.foot_zmp[0].valid = (flags & app::kLeftZmpValid) != 0;
       telemetry_.foot_zmp[1].valid = (flags & app::kRightZmpValid) != 0;
+      telemetry_.contact = {(flags & (app::kLeftZmpValid | app::kLeftContact)) != 0,
+                            (flags & (app::kRightZmpValid | app::kRightContact)) != 0};
       telemetry_.zmp.valid = (flags & app::kZmpValid) != 0;
       telemetry_.zmp.frame = (flags & app::kFrameIsRight) != 0 ? hal::Side::kRight : hal::Side::kLeft;
       telemetry_.planned_zmp = {

@@ -26,13 +26,14 @@ struct Telemetry {
   double roll_rad = 0.0;  // attitude of the trunk, estimated from gyro and accelerometer
   double pitch_rad = 0.0;
   std::array<double, 3> rate_rad_per_s{};  // filtered gyro rates without bias
-  std::array<double, 2> foot_load_N{};     // by Side
+  std::array<double, 2> foot_load_N{};     // by Side; not a number on a robot that does not measure it
   struct FootZmp {
     double x_m = 0.0;
     double y_m = 0.0;
     bool valid = false;
   };
   std::array<FootZmp, 2> foot_zmp{};  // by Side, each in its own sole's frame
+  std::array<bool, 2> contact{};      // by Side: the foot bears a load, by whatever tells the firmware
   struct Zmp {
     double x_m = 0.0;
     double y_m = 0.0;

@@ -16,7 +16,8 @@ nlohmann::ordered_json to_json(const RunSummary& summary) {
                                   {"solver_warnings", summary.solver_warnings},
                                   {"stepper", summary.stepper},
                                   {"base_height_error_max_m", summary.base_height_error_max_m},
-                                  {"foot_slip_max_m", summary.foot_slip_max_m}};
+                                  {"foot_slip_max_m", summary.foot_slip_max_m},
+                                  {"lost_abilities", summary.lost_abilities}};
   if (summary.walk) {
     const WalkSummary& walk = *summary.walk;
     document.update({{"distance_m", walk.distance_m},

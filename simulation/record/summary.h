@@ -52,8 +52,9 @@ struct RunSummary {
   // that of the target pose, and maximum slip of a loaded foot.
   double base_height_error_max_m = 0.0;
   double foot_slip_max_m = 0.0;
-  std::optional<WalkSummary> walk{};  // only for runs with a walk
-  std::vector<RunEvent> events{};     // in order of time
+  std::vector<std::string> lost_abilities{};  // names of what the robot's body and sensors cannot do
+  std::optional<WalkSummary> walk{};          // only for runs with a walk
+  std::vector<RunEvent> events{};             // in order of time
 };
 
 // Returns the document of summary.json with its keys in order (docs/reference/summary.md).

@@ -11,6 +11,8 @@ PRINTED = {
     "drive.eds": ("eds", "drive"),
     "inertial.eds": ("eds", "inertial"),
     "ankle.eds": ("eds", "ankle"),
+    "cells.eds": ("eds", "cells"),
+    "switch.eds": ("eds", "switch"),
     "bus.yml": ("bus",),
     "koboshi.dbc": ("dbc",),
     "object-dictionary.md": ("page",),

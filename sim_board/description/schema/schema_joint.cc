@@ -133,7 +133,7 @@ XmlRule joint_rule() {
        text_rule("child", kRequired,
                  {.meaning = "name of the link that the joint moves, or of a frame that is attached to it",
                   .source = kSdf}),
-       axis(), servo(), encoder(), drive(), role(), mirror(), maker(), force_torque_rule()},
+       axis(), servo(), encoder(), drive(), role(), mirror(), maker(), ankle_rule()},
       {name_attribute("name of the joint, unique among links, joints and frames; a role if koboshi:role "
                       "states no other"),
        text_attribute("type", true, {.meaning = "kind of joint", .source = kSdf}, {"revolute"})});

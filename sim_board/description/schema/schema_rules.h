@@ -29,6 +29,11 @@ inline constexpr NumberRange kErrorShareRange{.min = 0, .max = 0.5};
 // Positions and angles that no robot exceeds.
 inline constexpr NumberRange kPositionRange{.min = -1000, .max = 1000};
 
+// The types of a joint's sensor.
+inline const std::string kForceTorqueType = "force_torque";
+inline const std::string kPressureCellsType = "koboshi:pressure_cells";
+inline const std::string kContactSwitchType = "koboshi:contact_switch";
+
 // An element with these children.
 inline XmlRule group_rule(std::string name, XmlCount count, XmlNote note, std::vector<XmlRule> children,
                           std::vector<XmlAttributeRule> attributes = {}) {
@@ -114,8 +119,8 @@ inline XmlRule pose_rule(const std::string& frame) {
 XmlRule frame_rule();
 XmlRule link_rule();
 XmlRule joint_rule();
-XmlRule imu_rule();           // a link's sensor
-XmlRule force_torque_rule();  // a joint's sensor
+XmlRule imu_rule();    // a link's sensor
+XmlRule ankle_rule();  // a joint's sensor
 XmlRule servo_type_rule();
 
 }  // namespace koboshi::sim_board

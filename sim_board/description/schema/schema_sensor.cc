@@ -1,4 +1,4 @@
-// The keys of the sensors: inertial unit of a link, six-axis force/torque sensor of an ankle.
+// The keys of the sensors: inertial unit of a link, sensor of a foot.
 
 #include "sim_board/description/schema/schema_rules.h"
 
@@ -8,9 +8,9 @@ namespace {
 using enum XmlCount;
 
 // `unit`: of the channel's values.
-XmlRule channel(std::string name, const std::string& unit, std::string meaning) {
+XmlRule channel(std::string name, const std::string& unit, std::string meaning, XmlCount count = kRequired) {
   return group_rule(
-      std::move(name), kRequired, {.meaning = std::move(meaning), .source = kSensorPage},
+      std::move(name), count, {.meaning = std::move(meaning), .source = kSensorPage},
       {number_rule(
            "noise_density", kRequired, kNotNegativeRange,
            {unit + "/sqrt(Hz)", "",
@@ -73,20 +73,31 @@ XmlRule imu_rule() {
        text_attribute("type", true, {.meaning = "kind of sensor", .source = kSdf}, {"imu"})});
 }
 
-XmlRule force_torque_rule() {
+XmlRule ankle_rule() {
   return group_rule(
       "sensor", kRepeated,
-      {.meaning = "six-axis sensor between shank and sole: forces and torques for the ZMP; one on each side",
-       .source = kSdf},
+      {.meaning =
+           "sensor of a foot, on the joint that carries it; one of the same type on each side, or none. "
+           "force_torque: six axes between shank and sole, with the three keys force_torque, "
+           "koboshi:force and koboshi:torque; koboshi:pressure_cells: four cells in the sole, with "
+           "koboshi:cell four times and koboshi:cell_force; koboshi:contact_switch: a switch in the sole, "
+           "with koboshi:closing_force_N",
+       .source = kSensorPage},
       {fixed_pose_rule("the joint's frame"), update_rate(), jitter(),
        group_rule(
-           "force_torque", kRequired, {.meaning = "axes and sign of the wrench", .source = kSdf},
+           "force_torque", kOptional, {.meaning = "axes and sign of the wrench", .source = kSdf},
            {text_rule("frame", kRequired, {.meaning = "axes of the wrench", .source = kSdf}, {"sensor"}),
             text_rule("measure_direction", kRequired,
                       {.meaning = "the wrench is that of the ground side on the shank side", .source = kSdf},
                       {"child_to_parent"})}),
-       channel("koboshi:force", "N", "force, three axes"),
-       channel("koboshi:torque", "N m", "torque, three axes"),
+       channel("koboshi:force", "N", "force, three axes", kOptional),
+       channel("koboshi:torque", "N m", "torque, three axes", kOptional),
+       numbers_rule("koboshi:cell", kRepeated, 2, {.min = -1, .max = 1},
+                    {"m", "", "x and y of a pressure cell in the sensor's frame", kSensorPage}),
+       channel("koboshi:cell_force", "N", "force of a pressure cell; never below zero", kOptional),
+       number_rule(
+           "koboshi:closing_force_N", kOptional, {.min = 1e-3, .max = 1e3},
+           {"N", "", "load of the foot at which the switch closes; it opens at half of it", kSensorPage}),
        number_rule("koboshi:crosstalk", kOptional, kErrorShareRange,
                    {"1", "0",
                     "largest output of a force axis, as a share of its range, for a torque at its range, "
@@ -94,7 +105,8 @@ XmlRule force_torque_rule() {
                     kSensorPage})},
       {text_attribute("name", true, {.meaning = "side of the sensor", .source = kSensorPage},
                       {"left_ankle", "right_ankle"}),
-       text_attribute("type", true, {.meaning = "kind of sensor", .source = kSdf}, {"force_torque"})});
+       text_attribute("type", true, {.meaning = "kind of sensor", .source = kSdf},
+                      {kForceTorqueType, kPressureCellsType, kContactSwitchType})});
 }
 
 }  // namespace koboshi::sim_board

@@ -52,8 +52,8 @@ MotionAnalysis::MotionAnalysis(const sim_board::RobotDescription& robot, const S
   for (const sim_board::JointDescription& joint : robot.joints)
     stiffness_Nm_.push_back(stiffness_Nm_per_rad(joint.servo, supply.nominal_V));
   double ankles_Nm = 0.0;
-  for (const auto* const ankle : {&robot.left_ankle, &robot.right_ankle})
-    ankles_Nm += stiffness_Nm_[static_cast<std::size_t>(ankle->value().joint)];
+  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight})
+    ankles_Nm += stiffness_Nm_[static_cast<std::size_t>(robot.foot_joint(side).value())];
   const double inertia_kg_m2 = body_.mass_kg() * body_.com_height_m() * body_.com_height_m();
   natural_rad_per_s_ = std::sqrt(ankles_Nm / inertia_kg_m2);
   response_ = impulse_response(natural_rad_per_s_);

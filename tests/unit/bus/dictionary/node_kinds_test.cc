@@ -171,10 +171,10 @@ TEST(NodeKind, HasNoDefaultsForProcessValues) {
 TEST(NodeKind, NamesItsObjects) {
   const NodeKind kind = controller_kind();
   EXPECT_EQ(kind.find({0x2010, 4})->name, "Rate y");
-  EXPECT_EQ(kind.find({0x2300, 24})->name, "Controlword of joint 24");
-  EXPECT_EQ(kind.find({0x2300, 25}), nullptr);
+  EXPECT_EQ(kind.find({0x2300, 31})->name, "Controlword of joint 31");
+  EXPECT_EQ(kind.find({0x2300, 32}), nullptr);
   EXPECT_EQ(kind.find({0x2FFF, 0}), nullptr);
-  EXPECT_EQ(kind.find({0x2300, 0})->default_value, "24");
+  EXPECT_EQ(kind.find({0x2300, 0})->default_value, "31");
 }
 
 TEST(NodeKind, IsAnArrayIfAllSubindicesShareOneRow) {

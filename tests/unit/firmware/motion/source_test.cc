@@ -36,7 +36,7 @@ TEST_F(SourceTest, ReadsEachSource) {
   state_.pitch = degrees(-20);
   const auto rate = [](std::int32_t turns) { return fixed::AngularRate::from_raw(turns * (1 << 24)); };
   state_.rates_B = {rate(1), rate(-2), rate(3)};
-  state_.feet[0].valid = true;
+  state_.feet[0].contact = true;
   state_.feet[0].load = fixed::Force::from_raw(5 << fixed::Force::kFractionBits);
   state_.feet[1].load = fixed::Force::from_raw(7 << fixed::Force::kFractionBits);
   state_.zmp.valid = true;
@@ -73,7 +73,7 @@ TEST_F(SourceTest, ReadsEachSource) {
   EXPECT_EQ(read(Source::kWalking), 0);
   EXPECT_EQ(read(Source::kTime), 0);
   state_.feet = {};
-  state_.feet[1].valid = true;
+  state_.feet[1].contact = true;
   state_.zmp.valid = false;
   inputs_.walking = true;
   inputs_.supply_mV = 0xFFFF'FFFF;

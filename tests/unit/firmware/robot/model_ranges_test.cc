@@ -141,7 +141,7 @@ TEST(ModelNumbers, AreThoseOfTheFormat) {
        {kOk, kTruncated, kBadMagic, kBadVersion, kBadSize, kBadCrc, kBadJointCount, kBadField, kOutOfRange,
         kNotARotation, kLimitsReversed, kCyclicTree, kDuplicateNodeId, kDuplicateRole, kBadMirror, kBadLeg})
     EXPECT_EQ(static_cast<int>(status), number++);
-  EXPECT_EQ(kMaxJoints, 24u);
+  EXPECT_EQ(kMaxJoints, 31u);
   EXPECT_EQ(kModelNameSize, 24u);
   EXPECT_EQ(kModelMagic, 0x444D524Bu);
   EXPECT_EQ(kModelVersion, 1);

@@ -91,7 +91,14 @@ TEST(RobotModel, RefusesWithTheReason) {
   EXPECT_EQ(load_changed([](Model& m) { m.joints[14].role = JointRole::kHeadPan; }), kDuplicateRole);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].mirror = JointIndex(3); }), kBadMirror);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].mirror_sign = -1; }), kBadMirror);
-  EXPECT_EQ(load_changed([](Model& m) { m.joints[3].role = JointRole::kOther; }), kBadLeg);
+  // A leg that lacks a joint only cannot walk; a side without any joint of a leg has no foot.
+  EXPECT_EQ(load_changed([](Model& m) { m.joints[3].role = JointRole::kOther; }), kOk);
+  EXPECT_EQ(load_changed([](Model& m) {
+              for (Joint& joint : m.joints)
+                if (joint.role >= JointRole::kLeftHipYaw && joint.role <= JointRole::kLeftAnkleRoll)
+                  joint.role = JointRole::kOther;
+            }),
+            kBadLeg);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].axis = kAxisX; }), kBadLeg);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[2].parent = LinkIndex(JointIndex(0)); }), kBadLeg);
 }

@@ -50,6 +50,61 @@ TEST(LoadSensor, RefusesSensorsItCannotSimulate) {
                   "FILE:[0-9]+: found <koboshi:gyro> of range 174.533 .*, expected counts that fit 16 bits"));
 }
 
+// Replaces both ankle sensors of the default robot.
+RobotDescription with_ankles(const std::string& type, const std::string& keys) {
+  std::string text = default_robot_text();
+  for (const std::string side : {"left", "right"}) {
+    const std::size_t begin = text.find("<sensor name=\"" + side + "_ankle\"");
+    text.replace(
+        begin, text.find("</sensor>", begin) - begin,
+        "<sensor name=\"" + side + "_ankle\" type=\"" + type + "\"><update_rate>200</update_rate>" + keys);
+  }
+  const ScratchFile scratch("sdf", text);
+  return load_robot(scratch.path());
+}
+
+std::string type_complaint(const std::string& type, const std::string& keys) {
+  try {
+    with_ankles(type, keys);
+  } catch (const InputError& error) {
+    return error.found() + ", expected " + error.expected();
+  }
+  return "nothing";
+}
+
+const std::string kCell = "<koboshi:cell>0.03 0.01</koboshi:cell>";
+const std::string kCellForce =
+    "<koboshi:cell_force><noise_density>0.001</noise_density><bias>0.05</bias><bandwidth_Hz>98</bandwidth_Hz>"
+    "<range>30</range><resolution>0.01</resolution><delay_s>0.001</delay_s></koboshi:cell_force>";
+const std::string kSwitchForce = "<koboshi:closing_force_N>1.5</koboshi:closing_force_N>";
+
+TEST(LoadSensor, ReadsEachKindOfFoot) {
+  const RobotDescription cells =
+      with_ankles("koboshi:pressure_cells",
+                  kCell + kCell + "<koboshi:cell>-0.02 -0.01</koboshi:cell>" + kCell + kCellForce);
+  EXPECT_EQ(cells.ankle_kind(), hal::AnkleKind::kPressureCells);
+  EXPECT_EQ(cells.left_ankle->cells_S_m[2], Eigen::Vector2d(-0.02, -0.01));
+  EXPECT_EQ(cells.right_ankle->force.range, 30.0);
+  EXPECT_NEAR(cells.right_ankle->height_above_sole_m, 0.04, 1e-9);
+  const RobotDescription switches = with_ankles("koboshi:contact_switch", kSwitchForce);
+  EXPECT_EQ(switches.ankle_kind(), hal::AnkleKind::kContactSwitch);
+  EXPECT_EQ(switches.left_ankle->closing_force_N, 1.5);
+  EXPECT_EQ(switches.left_ankle->force.sample_period_s, 0.005);
+}
+
+TEST(LoadSensor, RefusesKeysOfAnotherKindOfFoot) {
+  const std::string cells = kCell + kCell + kCell + kCell;
+  EXPECT_EQ(type_complaint("koboshi:pressure_cells", cells + kCellForce), "nothing");
+  EXPECT_EQ(type_complaint("koboshi:pressure_cells", kCell + kCellForce),
+            "1 times <koboshi:cell> in a sensor of type koboshi:pressure_cells, expected 4");
+  EXPECT_EQ(type_complaint("koboshi:pressure_cells", cells),
+            "0 times <koboshi:cell_force> in a sensor of type koboshi:pressure_cells, expected 1");
+  EXPECT_EQ(type_complaint("koboshi:contact_switch", cells + kSwitchForce),
+            "4 times <koboshi:cell> in a sensor of type koboshi:contact_switch, expected none");
+  EXPECT_EQ(type_complaint("force_torque", kSwitchForce),
+            "0 times <force_torque> in a sensor of type force_torque, expected 1");
+}
+
 // Gives an optional element of a sensor a value, whether the text has it or not: in front of `place`.
 void set_sensor_error(std::string& text, const std::string& place, const std::string& name,
                       const std::string& value) {

@@ -33,16 +33,46 @@ std::string older_full_robot() {
   return text;
 }
 
-// Whether later versions of SDF have another key instead.
-bool is_older(const RobotKey& key) { return key.note.source == "SDF 1.6"; }
+// kFullRobot with another sensor in its foot.
+std::string with_foot_sensor(const std::string& type, const std::string& keys) {
+  std::string text = kFullRobot;
+  const std::size_t begin = text.find("<sensor name=\"left_ankle\"");
+  const std::string end = "</sensor>";
+  text.replace(begin, text.find(end, begin) + end.size() - begin,
+               "<sensor name=\"left_ankle\" type=\"" + type +
+                   "\"><pose>0 0 -0.01 0 0 0.1</pose><update_rate>500</update_rate>"
+                   "<koboshi:jitter_s>0.0002</koboshi:jitter_s>" +
+                   keys + "</sensor>");
+  return text;
+}
+
+const std::string kCells = R"(<koboshi:cell>0.01 0.02</koboshi:cell><koboshi:cell>0.01 -0.02</koboshi:cell>
+<koboshi:cell>-0.01 0.02</koboshi:cell><koboshi:cell>-0.01 -0.02</koboshi:cell>
+<koboshi:cell_force><noise_density>3e-4</noise_density><bias>0.3</bias><bias_instability>3e-5</bias_instability>
+<random_walk>3e-6</random_walk><scale_error>0.05</scale_error><cross_axis>0.04</cross_axis>
+<bandwidth_Hz>96</bandwidth_Hz><range>60</range><resolution>0.003</resolution><delay_s>0.002</delay_s>
+</koboshi:cell_force>)";
+
+// The variants of kFullRobot that have all keys together.
+enum Variant { kNewest, kOlder, kWithCells, kWithSwitch, kVariants };
+
+// Returns one that has the key. Later versions of SDF have another key instead of an older one.
+Variant variant_of(const RobotKey& key) {
+  if (key.note.source == "SDF 1.6") return kOlder;
+  if (key.path.starts_with("joint/sensor/koboshi:cell")) return kWithCells;
+  return key.path.starts_with("joint/sensor/koboshi:closing") ? kWithSwitch : kNewest;
+}
 
 // kFullRobot with edits of keys that are given by their path in the table.
 class KeyedRobot {
  public:
-  // `is_older`: the robot with the older keys.
-  explicit KeyedRobot(bool is_older = false) {
-    static const std::array kOriginals{original(kFullRobot), original(older_full_robot())};
-    document_.Parse(kOriginals[is_older ? 1 : 0].c_str());
+  explicit KeyedRobot(Variant variant) {
+    static const std::array<std::string, kVariants> kOriginals{
+        original(kFullRobot), original(older_full_robot()),
+        original(with_foot_sensor("koboshi:pressure_cells", kCells)),
+        original(with_foot_sensor("koboshi:contact_switch",
+                                  "<koboshi:closing_force_N>2</koboshi:closing_force_N>"))};
+    document_.Parse(kOriginals[variant].c_str());
   }
 
   // The first element of the path, which may be in any of several parents; for an attribute, its element.
@@ -146,9 +176,9 @@ TEST(RobotKeys, SayWhatEachKeyIs) {
 
 TEST(RobotKeys, AreAllInTheFullRobot) {
   for (const RobotKey& key : robot_keys())
-    EXPECT_NE(KeyedRobot(is_older(key)).find(key), nullptr) << key.path;
-  for (const bool is_older : {false, true})
-    EXPECT_THAT(KeyedRobot(is_older).text(), HasSubstr("robot | full"));
+    EXPECT_NE(KeyedRobot(variant_of(key)).find(key), nullptr) << key.path;
+  for (int variant = 0; variant < kVariants; ++variant)
+    EXPECT_THAT(KeyedRobot(static_cast<Variant>(variant)).text(), HasSubstr("robot | full"));
 }
 
 // A key's default, for its element in `robot`.
@@ -158,12 +188,12 @@ std::string default_of(KeyedRobot& robot, const RobotKey& key) {
 
 // The table says what the reader does without a key; the reader's own defaults are those of description.h.
 TEST(RobotKeys, HaveTheDefaultsOfTheReader) {
-  for (const bool is_older_robot : {false, true}) {
-    KeyedRobot without(is_older_robot);
-    KeyedRobot with_defaults(is_older_robot);
+  for (int variant = 0; variant < kVariants; ++variant) {
+    KeyedRobot without(static_cast<Variant>(variant));
+    KeyedRobot with_defaults(static_cast<Variant>(variant));
     int defaults = 0;
     for (const RobotKey& key : robot_keys()) {
-      if (key.note.fallback.empty() || (is_older(key) && !is_older_robot)) continue;
+      if (key.note.fallback.empty() || with_defaults.find(key) == nullptr) continue;
       with_defaults.set(key, default_of(with_defaults, key));
       if (key.name == "pose")
         for (const char* reference : {"relative_to", "frame"})
@@ -171,14 +201,14 @@ TEST(RobotKeys, HaveTheDefaultsOfTheReader) {
       without.remove(key);
       ++defaults;
     }
-    EXPECT_GT(defaults, 50);
+    EXPECT_GT(defaults, 45);
     EXPECT_EQ(without.text(), with_defaults.text());
   }
 }
 
 TEST(RobotKeys, AreOptionalAsTheTableSaysAndHaveAnEffect) {
   for (const RobotKey& key : robot_keys()) {
-    KeyedRobot without(is_older(key));
+    KeyedRobot without(variant_of(key));
     const std::string full = without.text();
     without.remove(key);
     if (key.count == XmlCount::kRequired) {
@@ -205,9 +235,9 @@ TEST(RobotKeys, HaveTheRangesOfTheReader) {
     if (key.range.min > NumberRange().min)
       bad.push_back(repeated_value(key, key.range.min - 0.1 * std::abs(key.range.min) - 1e-13));
     if (key.range.max < NumberRange().max) bad.push_back(repeated_value(key, 1.1 * key.range.max));
-    if (key.numbers > 1) bad.push_back("1 1");
+    if (key.numbers > 2) bad.push_back("1 1");
     for (const std::string& value : bad) {
-      KeyedRobot robot(is_older(key));
+      KeyedRobot robot(variant_of(key));
       robot.set(key, value);
       EXPECT_THAT(robot.complaint(), HasSubstr(" = " + value + ", expected " + describe_values(key)))
           << key.path;

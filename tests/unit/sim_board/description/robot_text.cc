@@ -89,6 +89,10 @@ class RobotWriter {
     if (!ankle) return;
     write("ankle", ankle->name, ankle->joint, ankle->X_LS.matrix(), ankle->height_above_sole_m,
           ankle->crosstalk);
+    if (ankle->kind != hal::AnkleKind::kSixAxis) {
+      write("kind", static_cast<int>(ankle->kind), ankle->closing_force_N);
+      for (const Eigen::Vector2d& cell : ankle->cells_S_m) write("cell", cell.x(), cell.y());
+    }
     write_channel(ankle->force);
     write_channel(ankle->torque);
   }

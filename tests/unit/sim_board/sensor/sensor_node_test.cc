@@ -134,6 +134,46 @@ TEST_F(AnkleSensorNode, SendsItsLatestSampleAtEachSync) {
   EXPECT_THAT(sample->torque_raw, ElementsAre(4, -5, 6));
 }
 
+class PressureCellNode : public SensorNodeTest {
+ protected:
+  PressureCellNode() : SensorNodeTest(SensorKind::kPressureCells, kRightAnkleNode) {
+    reader_.set_ankles(hal::AnkleKind::kPressureCells);
+  }
+};
+
+TEST_F(PressureCellNode, SendsItsCellsAtEachSync) {
+  start();
+  sensor_.take(hal::AnkleSample{.force_raw = {1, 2, 300}, .torque_raw = {4, 0, 0}});
+  send({.identifier = canopen::kSyncCobId});
+  play_until(now_us_ + 2'000);
+  EXPECT_THAT(identifiers_, ElementsAre(0x1A6));
+  EXPECT_FALSE(reader_.take_ankle(hal::Side::kLeft));
+  const auto sample = reader_.take_ankle(hal::Side::kRight);
+  ASSERT_TRUE(sample);
+  EXPECT_THAT(sample->force_raw, ElementsAre(1, 2, 300));
+  EXPECT_THAT(sample->torque_raw, ElementsAre(4, 0, 0));
+}
+
+class ContactSwitchNode : public SensorNodeTest {
+ protected:
+  ContactSwitchNode() : SensorNodeTest(SensorKind::kContactSwitch, kLeftAnkleNode) {
+    reader_.set_ankles(hal::AnkleKind::kContactSwitch);
+  }
+};
+
+TEST_F(ContactSwitchNode, SendsItsContactAtEachSync) {
+  start();
+  for (const std::int16_t contact : {std::int16_t{1}, std::int16_t{0}}) {
+    sensor_.take(hal::AnkleSample{.force_raw = {0, 0, contact}});
+    send({.identifier = canopen::kSyncCobId});
+    play_until(now_us_ + 2'000);
+    const auto sample = reader_.take_ankle(hal::Side::kLeft);
+    ASSERT_TRUE(sample);
+    EXPECT_THAT(sample->force_raw, ElementsAre(0, 0, contact));
+  }
+  EXPECT_THAT(identifiers_, ElementsAre(0x1A5, 0x1A5));
+}
+
 TEST_F(AnkleSensorNode, AnswersSdo) {
   start();
   send({.identifier = 0x625, .size = 8, .data = {0x40, 0x00, 0x20}});
