@@ -18,6 +18,7 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "sim_board/world/options.h"
+#include "simulation/disturbance/world_ranges.h"
 #include "simulation/host/qemu_host.h"
 #include "simulation/observe/event_log.h"
 #include "simulation/scenario/paths.h"
@@ -104,6 +105,11 @@ void add_run_options(CLI::App& command, RunArguments& arguments) {
                   "mujoco: the second engine")
       ->check(CLI::IsMember(sim_board::stepper_names()));
   command
+      .add_option("--world", arguments.world,
+                  "Draw errors of the robot and the floor within the ranges of this world, by the seed\n"
+                  "(docs/reference/worlds.md)")
+      ->check(CLI::IsMember(simulation::world_names()));
+  command
       .add_option("--set", arguments.sets,
                   "Override a key of the scenario: physics.step_ms=0.5; may be repeated")
       ->allow_extra_args(false);
@@ -125,6 +131,7 @@ std::vector<Override> scenario_overrides(const RunArguments& arguments) {
       overrides_of(arguments.sets, {{"seed", arguments.seed, "--seed"},
                                     {"duration_s", arguments.duration, "--duration"},
                                     {"physics.stepper", arguments.stepper, "--stepper"},
+                                    {"world", arguments.world, "--world"},
                                     simulation::robot_override(arguments.robot)});
   for (const std::string& setting : arguments.plant) {
     const auto equals = setting.find('=');

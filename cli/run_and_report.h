@@ -19,6 +19,7 @@ struct RunArguments {
   std::string duration;
   std::string stepper;
   std::string robot;
+  std::string world;
   std::vector<std::string> plant;
   std::string controller = "in-process";
   std::filesystem::path image;

@@ -9,8 +9,10 @@
 #include "cli/lab/tune_gait_command.h"
 #include "lab/catalogue/contacts.h"
 #include "lab/catalogue/fall_detection.h"
+#include "lab/catalogue/loop.h"
 #include "lab/catalogue/marathon.h"
 #include "lab/catalogue/push_recovery.h"
+#include "lab/catalogue/robustness.h"
 #include "lab/catalogue/stand_up.h"
 #include "lab/catalogue/terrain.h"
 #include "lab/catalogue/walking_speed.h"
@@ -21,10 +23,9 @@ namespace koboshi::tools {
 namespace {
 
 constexpr const char* kGetUp = "scenarios/get_up.yaml";
-constexpr const char* kRoughWorlds =
-    "Every seed makes a world of its own: friction 0.4 to 1, link masses and supply +-10 %, a floor that\n"
-    "tilts up to 2 degrees, backlash up to 0.01 rad and an encoder that is off by up to 0.005 rad in each\n"
-    "joint, the sensors' noise and bias.\n";
+constexpr const char* kWorlds =
+    "Every seed draws a world of its own within the ranges of --world (docs/reference/worlds.md), and the\n"
+    "sensors' noise and bias.\n";
 
 // An entry of the table of experiments below.
 template <typename Options>
@@ -36,7 +37,7 @@ struct Entry {
   Experiment (*make)(const Options&);
   void (*add_options)(CLI::App&, Options&, SessionOptions&) = nullptr;
   Options options{};
-  const char* worlds = kRoughWorlds;
+  const char* worlds = kWorlds;
   std::string (*draw_figures)(const Options&, const SessionOptions&) = nullptr;
 };
 
@@ -96,11 +97,11 @@ std::string draw_walks(const GyroFeedbackOptions& options, const SessionOptions&
   Row names;
   Row images;
   for (const bool feedback : options.feedback) {
-    const SeededWorld world =
-        seeded_world(gyro_feedback_scenario(options, points, feedback), options, options.first_seed);
+    const simulation::Scenario scenario =
+        seeded_walk(gyro_feedback_scenario(options, points, feedback), options, options.first_seed);
     const std::string name = gyro_feedback_cell(points, feedback);
     const std::filesystem::path folder = session.out / name;
-    const RunResult walk = run({.scenario = world.scenario, .out = folder, .change = world.change}, {});
+    const RunResult walk = run({.scenario = scenario, .out = folder}, {});
     if (walk.plot_warning) print_error("koboshi: no figures: {}\n", *walk.plot_warning);
     if (session.page.empty() || !std::filesystem::exists(folder / "zmp.png")) continue;
     const std::string image = session.section + "-" + name + ".png";
@@ -174,6 +175,36 @@ void add_marathon_options(CLI::App& command, MarathonOptions& options, SessionOp
   add_number(command, "--highest", options.highest_N_s_per_kg, 0.0, 10.0, "Hardest push, N s/kg");
 }
 
+void add_robustness_options(CLI::App& command, RobustnessOptions& options, SessionOptions&) {
+  command.add_option("--only", options.activities, "Some of the activities")
+      ->delimiter(',')
+      ->check(CLI::IsMember(RobustnessOptions::all_activities()));
+  command.add_option("--factors", options.factors, "Some of the factors")
+      ->delimiter(',')
+      ->check(CLI::IsMember(RobustnessOptions::all_factors()));
+  add_number(command, "--full-speed", options.full_speed_m_per_s, 0.0, 3.0,
+             "Full speed, m/s; 0: the robot's limit");
+  add_number(command, "--distance", options.distance_m, 0.1, 100.0,
+             "Distance of a walk, m, for a leg of 0.13 m; it scales with the leg");
+  add_number(command, "--cliff", options.cliff_share, 0.01, 1.0,
+             "Share of lost trials beyond which no harder level is played");
+}
+
+void add_loop_options(CLI::App& command, LoopOptions& options, SessionOptions&) {
+  command.add_option("--only", options.states, "Some of the states: standing, walking")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"standing", "walking"}));
+  command.add_option("--axes", options.axes, "Some of the axes: pitch, roll")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"pitch", "roll"}));
+  command.add_option("--frequencies", options.frequencies_Hz, "Frequencies of the sine, Hz, rising")
+      ->delimiter(',')
+      ->check(CLI::Range(0.1, 100.0))
+      ->capture_default_str();
+  add_number(command, "--amplitude", options.amplitude_deg_per_s, 0.1, 500.0, "Of the sine, deg/s");
+  add_number(command, "--speed", options.speed_m_per_s, 0.0, 3.0, "Of the walk, m/s");
+}
+
 }  // namespace
 
 void add_experiment_command(CLI::App& program, Invocation& invocation) {
@@ -190,9 +221,6 @@ void add_experiment_command(CLI::App& program, Invocation& invocation) {
                     "gyro-feedback --disturbed --budget-s 1800"},
        .make = make_gyro_feedback,
        .add_options = add_gyro_feedback_options,
-       .worlds = "Every seed makes a world of its own: friction 0.5 to 1, link masses +-5 %, a floor that\n"
-                 "tilts up to 1 degree, the sensors' noise and bias. The table shows shares and means with\n"
-                 "95 % confidence intervals.\n",
        .draw_figures = draw_walks});
   add<WalkingSpeedOptions>(
       command, invocation,
@@ -253,6 +281,30 @@ void add_experiment_command(CLI::App& program, Invocation& invocation) {
                         .make = make_marathon,
                         .add_options = add_marathon_options,
                         .options = {{.scenario = kGetUp, .seeds = 10}}});
+  add<RobustnessOptions>(
+      command, invocation,
+      {.name = "robustness",
+       .description = "What each disturbance alone costs, up to its cliff",
+       .footer = "Walks at half and full speed, pushes (standing, on the spot, at half and full speed) and "
+                 "getting\n"
+                 "up, with one factor at a time at a level of its own; every other factor is as in the "
+                 "files. All of\n"
+                 "it takes hours: the folder of the results resumes it, --budget-s divides it.\n",
+       .examples = {"robustness --stepper mujoco --budget-s 3600",
+                    "robustness --only walk-full,push-standing --factors slope,supply-low --seeds 50"},
+       .make = make_robustness,
+       .add_options = add_robustness_options,
+       .options = {},
+       .worlds = "--world has no effect here.\n"});
+  add<LoopOptions>(
+      command, invocation,
+      {.name = "loop",
+       .description = "Gain, phase and margins of the balance feedback",
+       .footer = "A sine is added to what the gyro senses. The trunk's answer gives the open loop's gain\n"
+                 "and phase, standing and walking.\n",
+       .examples = {"loop --stepper mujoco", "loop --only walking --amplitude 20 --json loop.json"},
+       .make = make_loop,
+       .add_options = add_loop_options});
   add<ExperimentSetup>(
       command, invocation,
       {.name = "contacts",

@@ -13,6 +13,7 @@
 #include "lab/trial/trial_recordings.h"
 #include "sim_board/world/options.h"
 #include "simulation/batch/parallel.h"
+#include "simulation/disturbance/world_ranges.h"
 #include "simulation/record/summary.h"
 #include "simulation/scenario/paths.h"
 
@@ -90,6 +91,21 @@ std::string draw_figure(const PlaneFigure& figure, const SessionOptions& session
   return "![" + figure.title + "](" + image + ")\n";
 }
 
+// Likewise for the figures of small multiples.
+std::string draw_grid(const NamedGrid& named, const SessionOptions& session) {
+  try {
+    draw(named.grid, session.out / named.name);
+  } catch (const PlotError& error) {
+    print_error("koboshi: no figure: {}\n", error.what());
+    return {};
+  }
+  if (session.page.empty()) return {};
+  const std::string image = session.section + "-" + named.name + ".png";
+  fs::copy_file(session.out / (named.name + ".png"), session.page.parent_path() / image,
+                fs::copy_options::overwrite_existing);
+  return "![" + named.grid.title + "](" + image + ")\n";
+}
+
 // The table with the command that made it, the remarks and the figures, as a section of the page.
 void write_page(const Experiment& experiment, const SessionOptions& session, const std::string& command_line,
                 const std::string& table, const std::string& remarks, const std::string& figures) {
@@ -118,6 +134,9 @@ void add_session_options(CLI::App& command, ExperimentSetup& setup, SessionOptio
   command.add_option("--set", session.sets, "Override a key of the scenario in all cells; may be repeated")
       ->allow_extra_args(false);
   add_robot_option(command, session.robot);
+  command.add_option("--world", setup.world, "Differences between the robots and floors of the seeds")
+      ->check(CLI::IsMember(simulation::world_names()))
+      ->capture_default_str();
   add_jobs_option(command, session.jobs);
   command.add_option("--budget-s", session.budget_s, "Seconds after which no more trials begin")
       ->check(CLI::PositiveNumber);
@@ -132,8 +151,8 @@ void add_session_options(CLI::App& command, ExperimentSetup& setup, SessionOptio
 }
 
 void add_disturbance_options(CLI::App& command, GyroFeedbackOptions& options) {
-  CLI::Option* disturbed = command.add_flag("--disturbed", options.disturbed,
-                                            "Push the trunk; soft ground that tilts up to 3 degrees");
+  CLI::Option* disturbed =
+      command.add_flag("--disturbed", options.disturbed, "Push the trunk, on soft ground");
   add_number(command, "--push", options.push_N_s, 0.0, 10.0, "Strongest push of the disturbed form, in N s")
       ->needs(disturbed);
 }
@@ -175,6 +194,7 @@ void conduct(const Experiment& experiment, SessionOptions session, const std::st
   fmt::print("{}{}results in {}\n", table(TableStyle::kTerminal), remarks, session.out.string());
   std::string figures = draw_figures ? draw_figures(session) : "";
   if (conclusions.figure) figures += draw_figure(*conclusions.figure, session);
+  for (const NamedGrid& named : conclusions.grids) figures += draw_grid(named, session);
   if (session.page.empty()) return;
   write_page(experiment, session, command_line, table(TableStyle::kMarkdown), remarks, figures);
 }

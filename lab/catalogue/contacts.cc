@@ -9,7 +9,7 @@
 
 #include "base/text/user_units.h"
 #include "lab/experiment/report.h"
-#include "lab/trial/perturbation.h"
+#include "lab/trial/pushes.h"
 #include "lab/trial/scenario_trial.h"
 #include "sim_board/description/load.h"
 
@@ -39,8 +39,8 @@ simulation::Scenario with_push(const StandingStart& start, const sim_board::Robo
 ContactsTrial play(const simulation::Scenario& scenario, std::uint64_t seed) {
   std::optional<ContactObserver> observer;
   ContactsTrial trial;
-  const ScenarioTrial played = watch_in_world(
-      scenario, kRoughWorld, seed, [&](simulation::Simulation& simulation, const simulation::RunRecorder&) {
+  const ScenarioTrial played =
+      watch_in_world(scenario, seed, [&](simulation::Simulation& simulation, const simulation::RunRecorder&) {
         const sim_board::World& world = simulation.board().world();
         if (!observer) observer.emplace(simulation.robot(), world);
         observer->observe();
@@ -155,7 +155,7 @@ FieldTable<ContactsTrial> contacts_fields(const sim_board::RobotDescription& rob
 }
 
 Experiment make_contacts(const ExperimentSetup& setup) {
-  const StandingStart start = read_standing_start(setup.scenario, setup.overrides);
+  const StandingStart start = read_standing_start(setup, setup.overrides);
   const sim_board::RobotDescription robot = sim_board::load_robot(start.scenario.robot);
   const FieldTable<ContactsTrial> fields = contacts_fields(robot);
   Experiment experiment = begin_experiment("contacts", "Contacts in falls", setup, start.scenario, {});

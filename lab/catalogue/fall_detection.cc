@@ -11,7 +11,7 @@
 #include "base/text/text.h"
 #include "lab/experiment/report.h"
 #include "lab/trial/fall_observer.h"
-#include "lab/trial/perturbation.h"
+#include "lab/trial/pushes.h"
 #include "lab/trial/scenario_trial.h"
 #include "sim_board/description/load.h"
 #include "sim_board/random/random_stream.h"
@@ -26,7 +26,8 @@ constexpr double kFallWindow_s = 5.0;   // in which a disturbed robot falls or n
 constexpr double kSlowPush_s = 1.5;
 // Its peak is as the pull of a floor that tilts to 10 to 17 degrees.
 constexpr double kSlowPushFactor = 3.2;
-constexpr double kLongerSettled_s = 1.0;  // after the first touch, trunk and head are down too
+constexpr simulation::Range kSlippery{0.01, 0.04};  // friction of wet ice
+constexpr double kLongerSettled_s = 1.0;            // after the first touch, trunk and head are down too
 constexpr double kDegreesPerUnit = 360.0 / 65'536.0;
 
 enum class Cause { kPushStanding, kPushWalking, kSlowPush, kTrip, kSlip, kDriveFailure, kNone };
@@ -120,8 +121,11 @@ class Disturbance {
         scenario.ground.shapes.push_back(bar(between(random, 0.3, 0.45), height_m));
         return scenario;
       }
-      case Cause::kSlip:
-        return start_.walking({0.25, 0.0, 0.2}, kWalkBefore_s + kFallWindow_s);
+      case Cause::kSlip: {
+        simulation::Scenario scenario = start_.walking({0.25, 0.0, 0.2}, kWalkBefore_s + kFallWindow_s);
+        scenario.world.value().ranges.friction = kSlippery;
+        return scenario;
+      }
       case Cause::kDriveFailure:
         return with_failing_drive(start_, random, walk_s, kFallWindow_s);
       case Cause::kNone:
@@ -154,9 +158,8 @@ class Disturbance {
   simulation::Scenario pushed(simulation::Scenario scenario, double at_s, double duration_s,
                               double impulse_N_s_per_kg, sim_board::RandomStream& random,
                               std::uint64_t seed) const {
-    sim_board::RobotDescription in_world = robot_;
-    perturb_robot(in_world, kRoughWorld, seed);
-    const double impulse_N_s = between(random, 1.2, 2.0) * impulse_N_s_per_kg * in_world.total_mass_kg();
+    const double mass_kg = robot_in_world(start_.scenario, robot_, seed).total_mass_kg();
+    const double impulse_N_s = between(random, 1.2, 2.0) * impulse_N_s_per_kg * mass_kg;
     const double towards_rad = kTurn_rad * random.uniform();
     scenario.pushes.push_back(
         half_sine_push(robot_.links.front().name, start_.ready_us + to_us(at_s), duration_s,
@@ -169,21 +172,12 @@ class Disturbance {
   const sim_board::RobotDescription robot_;
 };
 
-PerturbationBounds world_of(Cause cause) {
-  PerturbationBounds bounds = kRoughWorld;
-  if (cause == Cause::kSlip) {
-    bounds.lowest_friction = 0.01;
-    bounds.highest_friction = 0.04;
-  }
-  return bounds;
-}
-
 // Whether the same robot would have stayed on its feet without fall detection.
 bool was_false(const Disturbance& disturbance, Case played, std::uint64_t seed, double predicted_s) {
   played.detects = false;
   simulation::Scenario scenario = disturbance.scenario(played, seed);
   scenario.duration_us = to_us(predicted_s + 2.0);
-  return !play_in_world(std::move(scenario), world_of(played.cause), seed).lost();
+  return !play_in_world(std::move(scenario), seed).lost();
 }
 
 FallTrial play(const Disturbance& disturbance, const Case& played, std::uint64_t seed) {
@@ -191,7 +185,7 @@ FallTrial play(const Disturbance& disturbance, const Case& played, std::uint64_t
   bool side = false;
   double end_s = 0.0;
   const ScenarioTrial ended = watch_in_world(
-      disturbance.scenario(played, seed), world_of(played.cause), seed,
+      disturbance.scenario(played, seed), seed,
       [&](const simulation::Simulation& simulation, const simulation::RunRecorder& recorder) {
         const bool touched = observer.history().touched_s.has_value();
         observer.observe(simulation, recorder);
@@ -330,7 +324,7 @@ const FieldTable<FallTrial>& fall_fields() {
 }
 
 Experiment make_fall_detection(const FallDetectionOptions& options) {
-  const StandingStart start = read_standing_start(options.scenario, options.overrides);
+  const StandingStart start = read_standing_start(options, options.overrides);
   Experiment experiment = begin_experiment("fall-detection", "How it predicts falls", options, start.scenario,
                                            {{"standing_N_s_per_kg", options.standing_N_s_per_kg},
                                             {"walking_N_s_per_kg", options.walking_N_s_per_kg},

@@ -1,12 +1,15 @@
 #include "lab/catalogue/gyro_feedback.h"
 
+#include <cmath>
 #include <numbers>
-#include <utility>
+#include <optional>
 
 #include "base/text/text.h"
 #include "base/text/user_units.h"
 #include "lab/experiment/files.h"
-#include "lab/trial/perturbation.h"
+#include "lab/trial/pushes.h"
+#include "sim_board/random/random_stream.h"
+#include "simulation/disturbance/world_text.h"
 #include "simulation/scenario/paths.h"
 #include "simulation/scenario/reader.h"
 
@@ -17,13 +20,17 @@ constexpr double kDegree_rad = std::numbers::pi / 180.0;
 // The first push comes when the walk has left its starting steps behind.
 constexpr double kFirstPush_s = 2.0;
 
-PerturbationBounds bounds_of(const GyroFeedbackOptions& options) {
-  PerturbationBounds bounds;
-  if (!options.disturbed) return bounds;
-  bounds.tilt_rad = 3.0 * kDegree_rad;
-  bounds.softest_N_per_m = 1000.0;  // on one foot it sinks by 3 mm
-  bounds.stiffest_N_per_m = 5000.0;
-  return bounds;
+// Soft ground gives way like felt, without much of a rebound, under a robot of 1.2 kg on a sole's four
+// points: on one foot it sinks by up to 3 mm.
+constexpr double kSoftest_N_per_m = 1000.0;
+constexpr double kStiffest_N_per_m = 5000.0;
+constexpr double kDampingRatio = 0.5;
+constexpr double kMassAbove_kg = 0.3;
+
+simulation::GroundSurface::Softness soft_ground(std::uint64_t seed) {
+  sim_board::RandomStream softness(seed, "ground stiffness");
+  const double stiffness_N_per_m = between(softness, kSoftest_N_per_m, kStiffest_N_per_m);
+  return {stiffness_N_per_m, 2.0 * kDampingRatio * std::sqrt(stiffness_N_per_m * kMassAbove_kg)};
 }
 
 // The distance over time of a robot that fell is no speed of a walk.
@@ -43,6 +50,8 @@ std::string hash_of(const GyroFeedbackOptions& options, const std::vector<simula
     files.insert(files.end(), of_scenario.begin(), of_scenario.end());
   }
   std::vector<std::string> texts{options.disturbed ? "push " + number_text(options.push_N_s) : "level"};
+  for (const auto& [factor, range] : simulation::range_texts(simulation::world_named(options.world)))
+    texts.insert(texts.end(), {factor, range});
   for (const Override& override_value : options.overrides) {
     texts.insert(texts.end(), {override_value.path, override_value.value});
   }
@@ -67,19 +76,18 @@ simulation::Scenario gyro_feedback_scenario(const GyroFeedbackOptions& options, 
   return simulation::read_scenario(options.scenario, overrides);
 }
 
-SeededWorld seeded_world(simulation::Scenario scenario, const GyroFeedbackOptions& options,
-                         std::uint64_t seed) {
-  const PerturbationBounds bounds = bounds_of(options);
-  perturb_scenario(scenario, bounds, seed);
-  if (options.disturbed) {
-    std::uint64_t walk_us = 0;
-    for (const simulation::Command& command : scenario.commands) {
-      if (command.kind == simulation::Command::Kind::kPlay) walk_us = command.at_us;
-    }
-    add_pushes(scenario, "trunk", walk_us, {.first_s = kFirstPush_s, .highest_N_s = options.push_N_s}, seed);
+simulation::Scenario seeded_walk(simulation::Scenario scenario, const GyroFeedbackOptions& options,
+                                 std::uint64_t seed) {
+  scenario.seed = seed;
+  scenario.world = {simulation::world_named(options.world), std::nullopt};
+  if (!options.disturbed) return scenario;
+  scenario.ground.softness = soft_ground(seed);
+  std::uint64_t walk_us = 0;
+  for (const simulation::Command& command : scenario.commands) {
+    if (command.kind == simulation::Command::Kind::kPlay) walk_us = command.at_us;
   }
-  return {std::move(scenario),
-          [bounds, seed](sim_board::RobotDescription& robot) { perturb_robot(robot, bounds, seed); }};
+  add_pushes(scenario, "trunk", walk_us, {.first_s = kFirstPush_s, .highest_N_s = options.push_N_s}, seed);
+  return scenario;
 }
 
 FieldTable<ScenarioTrial> walk_fields(double falls_within) {
@@ -118,12 +126,12 @@ Experiment make_gyro_feedback(const GyroFeedbackOptions& options) {
   }
   experiment.conditions = {
       {"duration_s", number_text(1e-6 * static_cast<double>(scenarios.front().duration_us))},
-      {"disturbed", options.disturbed ? "yes" : "no"}};
+      {"disturbed", options.disturbed ? "yes" : "no"},
+      {"world", options.world}};
   experiment.inputs = hash_of(options, scenarios);
   set_trials(experiment, walk_fields(options.falls_within),
              [options, scenarios](std::size_t cell, std::uint64_t seed) {
-               const SeededWorld world = seeded_world(scenarios[cell], options, seed);
-               return without_a_fallen_walk(play_scenario(world.scenario, world.change));
+               return without_a_fallen_walk(play_scenario(seeded_walk(scenarios[cell], options, seed), {}));
              });
   return experiment;
 }

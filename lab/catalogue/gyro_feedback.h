@@ -7,13 +7,11 @@
 #include "lab/experiment/field_table.h"
 #include "lab/trial/commanded_walk.h"
 #include "lab/trial/scenario_trial.h"
-#include "simulation/assembly/simulation.h"
 #include "simulation/scenario/scenario.h"
 
 namespace koboshi::tools {
 
-// The paper's section 3: does a walk need more than four points, and what does gyro feedback do to it? Every
-// world differs from the robot's file by its seed (lab/trial/perturbation.h).
+// The paper's section 3: does a walk need more than four points, and what does gyro feedback do to it?
 struct GyroFeedbackOptions : ExperimentSetup {
   GyroFeedbackOptions() : ExperimentSetup{.scenario = "scenarios/walk.yaml", .seeds = 20} {}
 
@@ -21,7 +19,7 @@ struct GyroFeedbackOptions : ExperimentSetup {
   std::vector<bool> feedback{false, true};
   // With a file for each cell, 8-on.yaml and so on, which were tuned for it. Empty: the scenario's gait.
   std::filesystem::path gaits{};
-  // By pushes against the trunk, soft ground and a tilt of up to 3 degrees.
+  // By pushes against the trunk and soft ground.
   bool disturbed = false;
   double push_N_s = 0.1;        // the strongest push of the disturbed form
   double falls_within = 0.015;  // a cell stops when the share of falls is known to +- this
@@ -38,13 +36,9 @@ struct GyroFeedbackOptions : ExperimentSetup {
 [[nodiscard]] simulation::Scenario gyro_feedback_scenario(const GyroFeedbackOptions& options, int points,
                                                           bool feedback);
 
-// The scenario, and the robot, in the world of a seed.
-struct SeededWorld {
-  simulation::Scenario scenario;
-  simulation::RobotChange change;
-};
-[[nodiscard]] SeededWorld seeded_world(simulation::Scenario scenario, const GyroFeedbackOptions& options,
-                                       std::uint64_t seed);
+// The scenario in the world of a seed, with its soft ground and its pushes if the walk is disturbed.
+[[nodiscard]] simulation::Scenario seeded_walk(simulation::Scenario scenario,
+                                               const GyroFeedbackOptions& options, std::uint64_t seed);
 
 // Reads and checks everything. Throws InputError.
 [[nodiscard]] Experiment make_gyro_feedback(const GyroFeedbackOptions& options);

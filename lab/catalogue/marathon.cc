@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "lab/experiment/report.h"
-#include "lab/trial/perturbation.h"
+#include "lab/trial/pushes.h"
 #include "lab/trial/scenario_trial.h"
 #include "sim_board/description/load.h"
 #include "sim_board/random/random_stream.h"
@@ -60,7 +60,7 @@ MarathonTrial play(const StandingStart& start, const sim_board::RobotDescription
   behaviour::State state = behaviour::State::kBoot;
   double end_s = 0.0;
   const ScenarioTrial played = watch_in_world(
-      std::move(scenario), kRoughWorld, seed,
+      std::move(scenario), seed,
       [&](const simulation::Simulation& simulation, const simulation::RunRecorder& recorder) {
         observer.observe(simulation, recorder);
         state = recorder.telemetry().state;
@@ -117,7 +117,7 @@ const FieldTable<MarathonTrial>& marathon_fields() {
 }
 
 Experiment make_marathon(const MarathonOptions& options) {
-  const StandingStart start = read_standing_start(options.scenario, options.overrides);
+  const StandingStart start = read_standing_start(options, options.overrides);
   Experiment experiment =
       begin_experiment("marathon", "A marathon", options, start.scenario,
                        {{"hours", options.hours}, {"highest_N_s_per_kg", options.highest_N_s_per_kg}});

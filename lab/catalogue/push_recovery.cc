@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/text/text.h"
-#include "lab/trial/perturbation.h"
+#include "lab/trial/pushes.h"
 #include "lab/trial/scenario_trial.h"
 #include "sim_board/random/random_stream.h"
 #include "simulation/assembly/parameters.h"
@@ -57,7 +57,7 @@ StandingStart start_of(const PushRecoveryOptions& options, const std::string& wi
     if (feedback.name != without) continue;
     for (const std::string& name : feedback.parameters) overrides.push_back({"parameters." + name, "0"});
   }
-  return read_standing_start(options.scenario, overrides);
+  return read_standing_start(options, overrides);
 }
 
 // The largest impulse that this robot survives in the seed's world.
@@ -68,15 +68,14 @@ PushTrial play(const PushCase& pushed, const StandingStart& start, const PushRec
   PushTrial trial{.phase = random.uniform()};
   const double wait_s = walks ? kWalk_s + trial.phase * cycle_s(start.scenario) : kStand_s;
   const double for_s = wait_s + kPush_s + kAftermath_s;
-  sim_board::RobotDescription in_world = robot;
-  perturb_robot(in_world, kRoughWorld, seed);
+  const double mass_kg = robot_in_world(start.scenario, robot, seed).total_mass_kg();
   const Eigen::Vector3d along(std::cos(pushed.direction_rad), std::sin(pushed.direction_rad), 0.0);
   const auto survives = [&](double impulse_N_s_per_kg) {
     simulation::Scenario scenario =
         walks ? start.walking(Eigen::Vector3d::Zero(), for_s) : start.standing(for_s);
     scenario.pushes = {half_sine_push(robot.links.front().name, start.ready_us + to_us(wait_s), kPush_s,
-                                      impulse_N_s_per_kg * in_world.total_mass_kg() * along)};
-    const ScenarioTrial played = play_in_world(scenario, kRoughWorld, seed);
+                                      impulse_N_s_per_kg * mass_kg * along)};
+    const ScenarioTrial played = play_in_world(scenario, seed);
     if (!played.lost()) return true;
     // Each push that is lost is weaker than the one before: a bisection goes down from there.
     trial.lost_by = played.outcome;

@@ -83,32 +83,6 @@ simulation::Scenario dropped(const simulation::Scenario& start, const sim_board:
   return scenario;
 }
 
-StandUpTrial play(const simulation::Scenario& start, const sim_board::RobotDescription& robot,
-                  const StandUpOptions& options, std::uint64_t seed) {
-  FallObserver observer;
-  double stood_s = 0.0;
-  behaviour::State state = behaviour::State::kBoot;
-  const ScenarioTrial played =
-      watch_in_world(dropped(start, robot, options, seed), kRoughWorld, seed,
-                     [&](const simulation::Simulation& simulation, const simulation::RunRecorder& recorder) {
-                       observer.observe(simulation, recorder);
-                       state = recorder.telemetry().state;
-                       if (observer.history().stands > 0 && stood_s == 0.0) {
-                         const bool upright = recorder.truth().tilt_rad < simulation::kUpright_rad;
-                         if (upright) stood_s = simulation.board().world().time_s();
-                       }
-                       return stood_s > 0.0 || state == behaviour::State::kFault;
-                     });
-  const bool stood = stood_s > 0.0;
-  StandUpTrial trial{.outcome = outcome_at_end(played, state),
-                     .error = played.error,
-                     .down = !stood,
-                     .not_at_once = !stood || observer.history().attempts != 1,
-                     .history = observer.history()};
-  if (stood) trial.time_s = stood_s - 1e-6 * static_cast<double>(kCommand_us);
-  return trial;
-}
-
 Conclusions conclude(const std::vector<StandUpTrial>& trials) {
   const ShareEstimate down = share_of(trials, &StandUpTrial::down);
   const ShareEstimate not_at_once = share_of(trials, &StandUpTrial::not_at_once);
@@ -140,6 +114,32 @@ Conclusions conclude(const std::vector<StandUpTrial>& trials) {
 
 }  // namespace
 
+StandUpTrial play_stand_up(const simulation::Scenario& start, const sim_board::RobotDescription& robot,
+                           const StandUpOptions& options, std::uint64_t seed) {
+  FallObserver observer;
+  double stood_s = 0.0;
+  behaviour::State state = behaviour::State::kBoot;
+  const ScenarioTrial played =
+      watch_in_world(dropped(start, robot, options, seed), seed,
+                     [&](const simulation::Simulation& simulation, const simulation::RunRecorder& recorder) {
+                       observer.observe(simulation, recorder);
+                       state = recorder.telemetry().state;
+                       if (observer.history().stands > 0 && stood_s == 0.0) {
+                         const bool upright = recorder.truth().tilt_rad < simulation::kUpright_rad;
+                         if (upright) stood_s = simulation.board().world().time_s();
+                       }
+                       return stood_s > 0.0 || state == behaviour::State::kFault;
+                     });
+  const bool stood = stood_s > 0.0;
+  StandUpTrial trial{.outcome = outcome_at_end(played, state),
+                     .error = played.error,
+                     .down = !stood,
+                     .not_at_once = !stood || observer.history().attempts != 1,
+                     .history = observer.history()};
+  if (stood) trial.time_s = stood_s - 1e-6 * static_cast<double>(kCommand_us);
+  return trial;
+}
+
 const FieldTable<StandUpTrial>& stand_up_fields() {
   using T = StandUpTrial;
   static const FieldTable<T> kFields{
@@ -157,14 +157,16 @@ const FieldTable<StandUpTrial>& stand_up_fields() {
 }
 
 Experiment make_stand_up(const StandUpOptions& options) {
-  const StandingStart start = read_standing_start(options.scenario, options.overrides);
+  const StandingStart start = read_standing_start(options, options.overrides);
   Experiment experiment =
       begin_experiment("stand-up", "How it gets up", options, start.scenario,
                        {{"drop_m", options.drop_m}, {"joint_share", options.joint_share}});
   experiment.cells = {{"dropped", {{"lies", "as it was dropped"}}}};
-  set_trials(experiment, stand_up_fields(),
-             [options, start, robot = sim_board::load_robot(start.scenario.robot)](
-                 std::size_t, std::uint64_t seed) { return play(start.scenario, robot, options, seed); });
+  set_trials(
+      experiment, stand_up_fields(),
+      [options, start, robot = sim_board::load_robot(start.scenario.robot)](std::size_t, std::uint64_t seed) {
+        return play_stand_up(start.scenario, robot, options, seed);
+      });
   experiment.conclude = [](const Experiment&, const ExperimentResult& result) {
     return conclude(stand_up_fields().trials(result.cells.front()));
   };

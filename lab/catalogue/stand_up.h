@@ -28,6 +28,11 @@ struct StandUpTrial {
 };
 [[nodiscard]] const FieldTable<StandUpTrial>& stand_up_fields();
 
+// Plays a trial of a robot, which has the names and limits of the joints, in the scenario's world.
+[[nodiscard]] StandUpTrial play_stand_up(const simulation::Scenario& start,
+                                         const sim_board::RobotDescription& robot,
+                                         const StandUpOptions& options, std::uint64_t seed);
+
 // The experiment has one cell and concludes success_rate, first_attempt_rate, attempts_mean, and by how the
 // robot lay prone_median_s and so on. Throws InputError.
 [[nodiscard]] Experiment make_stand_up(const StandUpOptions& options);

@@ -7,7 +7,7 @@
 #include "base/text/text.h"
 #include "lab/experiment/ladder.h"
 #include "lab/experiment/report.h"
-#include "lab/trial/perturbation.h"
+#include "lab/trial/pushes.h"
 
 namespace koboshi::tools {
 namespace {
@@ -65,8 +65,8 @@ const std::vector<Kind>& kinds() {
 
 TerrainTrial play(const StandingStart& start, const TerrainOptions& options, std::uint64_t seed) {
   const double patience_s = kTerrainPatience * options.distance_m / options.speed_m_per_s;
-  TerrainTrial trial{play_in_world(start.walking({options.speed_m_per_s, 0.0, 0.0}, patience_s), kRoughWorld,
-                                   seed, [&](const simulation::RunRecorder& recorder) {
+  TerrainTrial trial{play_in_world(start.walking({options.speed_m_per_s, 0.0, 0.0}, patience_s), seed,
+                                   [&](const simulation::RunRecorder& recorder) {
                                      return recorder.walk().displacement().x() >= options.distance_m;
                                    })};
   // False without a walk, too.
@@ -115,7 +115,7 @@ Experiment make_terrain(const TerrainOptions& options) {
       std::vector<Override> overrides = options.overrides;
       if (level > 0.0) overrides.push_back(kind.ground(level));
       ladders.back().cells.push_back(starts.size());
-      starts.push_back(read_standing_start(options.scenario, overrides));
+      starts.push_back(read_standing_start(options, overrides));
       const std::string text = number_text(level);
       cells.push_back({kind.name + "-" + text, {{"ground", kind.name}, {"level", text}}});
     }

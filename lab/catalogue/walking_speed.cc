@@ -5,7 +5,7 @@
 
 #include "base/text/text.h"
 #include "lab/experiment/ladder.h"
-#include "lab/trial/perturbation.h"
+#include "lab/trial/pushes.h"
 
 namespace koboshi::tools {
 namespace {
@@ -50,8 +50,8 @@ SpeedTrial play(const CommandedSpeed& speed, const StandingStart& start, std::ui
   const double sign = sign_of(speed.direction, seed);
   const Eigen::Vector3d velocity = velocity_of(speed.direction, sign * speed.command);
   const double patience_s = kWalkPatience * speed.distance / speed.command;
-  const ScenarioTrial walk = play_in_world(
-      start.walking(velocity, patience_s), kRoughWorld, seed, [&](const simulation::RunRecorder& recorder) {
+  const ScenarioTrial walk =
+      play_in_world(start.walking(velocity, patience_s), seed, [&](const simulation::RunRecorder& recorder) {
         return progress(velocity, recorder.walk().displacement()) >= speed.distance;
       });
   const double time_s = walk.duration_s - 1e-6 * static_cast<double>(start.ready_us);
@@ -110,7 +110,7 @@ Experiment make_walking_speed(const WalkingSpeedOptions& options) {
                                   {"parameters.highest_velocity_lateral_mm_per_s", "2000"},
                                   {"parameters.highest_turn_mrad_per_s", "6000"}};
   overrides.insert(overrides.end(), options.overrides.begin(), options.overrides.end());
-  const StandingStart start = read_standing_start(options.scenario, overrides);
+  const StandingStart start = read_standing_start(options, overrides);
   Experiment experiment = begin_experiment("walking-speed", "How fast it walks", options, start.scenario,
                                            {{"distance_m", options.distance_m}, {"turns", options.turns}});
   std::vector<CommandedSpeed> speeds;

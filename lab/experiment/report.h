@@ -4,9 +4,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/table/table.h"
 #include "lab/experiment/experiment.h"
+#include "tools/plot/panel_grid.h"
 #include "tools/plot/plane_figure.h"
 
 namespace koboshi::tools {
@@ -21,12 +23,19 @@ namespace koboshi::tools {
 // lines.
 [[nodiscard]] std::string notes(const Experiment& experiment, const ExperimentResult& result);
 
+// A figure of small multiples, and the end of its file's name.
+struct NamedGrid {
+  std::string name;
+  PanelGrid grid;
+};
+
 // Conclusions that an experiment draws from its cells.
 struct Conclusions {
   nlohmann::ordered_json values = nlohmann::ordered_json::object();  // for programs, beside the cells
   std::string lines{};                                               // for readers, below the table
   std::function<std::string(TableStyle)> table{};                    // instead of result_table
   std::optional<PlaneFigure> figure{};
+  std::vector<NamedGrid> grids{};  // further figures
 };
 
 // "too_many": for programs.

@@ -7,8 +7,9 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "lab/experiment/files.h"
-#include "lab/trial/perturbation.h"
+#include "lab/trial/pushes.h"
 #include "sim_board/world/options.h"
+#include "simulation/disturbance/world_text.h"
 #include "simulation/scenario/reader.h"
 
 namespace koboshi::tools {
@@ -26,13 +27,13 @@ simulation::Scenario StandingStart::standing(double for_s) const {
   return stand;
 }
 
-StandingStart read_standing_start(const std::filesystem::path& scenario,
-                                  std::span<const Override> overrides) {
-  StandingStart start{.scenario = simulation::read_scenario(scenario, overrides)};
+StandingStart read_standing_start(const ExperimentSetup& setup, std::span<const Override> overrides) {
+  StandingStart start{.scenario = simulation::read_scenario(setup.scenario, overrides)};
+  start.scenario.world = {simulation::world_named(setup.world), std::nullopt};
   auto& commands = start.scenario.commands;
   const auto walk = std::ranges::find(commands, simulation::Command::Kind::kWalk, &simulation::Command::kind);
   if (walk == commands.end())
-    throw InputError(scenario, 0, "no command to walk", "a scenario that walks by command");
+    throw InputError(setup.scenario, 0, "no command to walk", "a scenario that walks by command");
   start.ready_us = walk->at_us;
   commands.erase(walk, commands.end());
   std::erase_if(start.scenario.pushes,
@@ -63,10 +64,13 @@ Experiment begin_experiment(const std::string& name, const std::string& title, c
                             const simulation::Scenario& scenario,
                             const std::vector<std::pair<std::string, double>>& conditions) {
   Experiment experiment{.name = name, .title = title, .first_seed = setup.first_seed, .seeds = setup.seeds};
-  experiment.conditions = {{"stepper", std::string(sim_board::name_of(scenario.physics.stepper))}};
+  experiment.conditions = {{"stepper", std::string(sim_board::name_of(scenario.physics.stepper))},
+                           {"world", setup.world}};
   for (const auto& [key, value] : conditions) experiment.conditions.emplace_back(key, number_text(value));
   std::vector<std::string> texts;
   for (const auto& [key, value] : experiment.conditions) texts.insert(texts.end(), {key, value});
+  for (const auto& [factor, range] : simulation::range_texts(simulation::world_named(setup.world)))
+    texts.insert(texts.end(), {factor, range});
   for (const Override& item : setup.overrides) texts.insert(texts.end(), {item.path, item.value});
   experiment.inputs = hash_inputs(simulation::input_files(scenario), texts);
   return experiment;

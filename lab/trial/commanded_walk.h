@@ -32,10 +32,6 @@ struct StandingStart {
   [[nodiscard]] simulation::Scenario standing(double for_s) const;
 };
 
-// Throws InputError, also for a scenario that never walks by command.
-[[nodiscard]] StandingStart read_standing_start(const std::filesystem::path& scenario,
-                                                std::span<const Override> overrides);
-
 // A velocity that the robot walks at in any direction, for StandingStart::walking.
 [[nodiscard]] Eigen::Vector3d random_velocity(sim_board::RandomStream& random);
 // Walks at a random velocity until the drive of a random joint of the legs loses its power. Ends so much
@@ -48,9 +44,15 @@ struct StandingStart {
 struct ExperimentSetup {
   std::filesystem::path scenario = "scenarios/go.yaml";
   std::vector<Override> overrides{};  // of the scenario, in all cells
+  std::string world = "mild";         // in which the trials are played; replaces the scenario's
   std::uint64_t first_seed = 1;
   std::size_t seeds = 100;
 };
+
+// Reads the setup's scenario, in the setup's world, with these overrides instead of the setup's. Throws
+// InputError, also for a scenario that never walks by command.
+[[nodiscard]] StandingStart read_standing_start(const ExperimentSetup& setup,
+                                                std::span<const Override> overrides);
 
 // The experiment without its cells and trials. Its conditions are part of the inputs of its trials.
 [[nodiscard]] Experiment begin_experiment(const std::string& name, const std::string& title,

@@ -37,8 +37,7 @@ std::optional<double> GettingUp::stood_s() const {
   return 1e-6 * static_cast<double>(*stands_since_us_ - begin_us_);
 }
 
-GettingUpTrial play_getting_up(const simulation::Scenario& scenario, const PerturbationBounds& bounds,
-                               std::uint64_t seed) {
+GettingUpTrial play_getting_up(const simulation::Scenario& scenario, std::uint64_t seed) {
   GettingUp getting_up(scenario);
   const auto is_over = [&](const simulation::Simulation& simulation,
                            const simulation::RunRecorder& recorder) {
@@ -46,7 +45,7 @@ GettingUpTrial play_getting_up(const simulation::Scenario& scenario, const Pertu
     return now_us > 0 && now_us % sim_board::SimBoard::kTick_us == 0 &&
            getting_up.observe(recorder.truth(), now_us);
   };
-  GettingUpTrial trial{watch_in_world(scenario, bounds, seed, is_over)};
+  GettingUpTrial trial{watch_in_world(scenario, seed, is_over)};
   if (trial.error.empty()) trial.stood_s = getting_up.stood_s();
   trial.uprightness = getting_up.uprightness();
   return trial;

@@ -35,9 +35,7 @@ struct GettingUpTrial : ScenarioTrial {
   std::optional<double> uprightness{};  // at the end
 };
 
-// Plays a scenario in which a robot gets up, in the world that a seed draws within these bounds, until it
-// stands.
-[[nodiscard]] GettingUpTrial play_getting_up(const simulation::Scenario& scenario,
-                                             const PerturbationBounds& bounds, std::uint64_t seed);
+// Plays a scenario in which a robot gets up, in the world that a seed draws, until it stands.
+[[nodiscard]] GettingUpTrial play_getting_up(const simulation::Scenario& scenario, std::uint64_t seed);
 
 }  // namespace koboshi::tools

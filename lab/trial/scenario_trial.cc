@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "lab/trial/trial_recordings.h"
+#include "simulation/assembly/world.h"
 #include "view/capture/run_recording.h"
 
 namespace koboshi::tools {
@@ -60,10 +61,6 @@ ScenarioTrial watch_scenario(const simulation::Scenario& scenario, const simulat
   return trial;
 }
 
-simulation::RobotChange robot_of(const PerturbationBounds& bounds, std::uint64_t seed) {
-  return [&bounds, seed](sim_board::RobotDescription& robot) { perturb_robot(robot, bounds, seed); };
-}
-
 }  // namespace
 
 simulation::WalkSummary no_walk() {
@@ -88,16 +85,23 @@ ScenarioTrial play_scenario(const simulation::Scenario& scenario, const simulati
                         });
 }
 
-ScenarioTrial watch_in_world(simulation::Scenario scenario, const PerturbationBounds& bounds,
-                             std::uint64_t seed, const Watch& is_over) {
-  perturb_scenario(scenario, bounds, seed);
-  return watch_scenario(scenario, robot_of(bounds, seed), is_over);
+ScenarioTrial watch_in_world(simulation::Scenario scenario, std::uint64_t seed, const Watch& is_over) {
+  scenario.seed = seed;
+  return watch_scenario(scenario, {}, is_over);
 }
 
-ScenarioTrial play_in_world(simulation::Scenario scenario, const PerturbationBounds& bounds,
-                            std::uint64_t seed, const IsOver& is_over) {
-  perturb_scenario(scenario, bounds, seed);
-  return play_scenario(scenario, robot_of(bounds, seed), is_over);
+ScenarioTrial play_in_world(simulation::Scenario scenario, std::uint64_t seed, const IsOver& is_over) {
+  scenario.seed = seed;
+  return play_scenario(scenario, {}, is_over);
+}
+
+sim_board::RobotDescription robot_in_world(const simulation::Scenario& scenario,
+                                           const sim_board::RobotDescription& robot, std::uint64_t seed) {
+  sim_board::RobotDescription in_world = robot;
+  simulation::Scenario seeded = scenario;
+  seeded.seed = seed;
+  if (const auto world = simulation::draw_world(seeded, robot)) simulation::apply(*world, in_world);
+  return in_world;
 }
 
 }  // namespace koboshi::tools

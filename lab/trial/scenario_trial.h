@@ -5,7 +5,6 @@
 #include <string>
 
 #include "lab/trial/outcome.h"
-#include "lab/trial/perturbation.h"
 #include "simulation/assembly/simulation.h"
 #include "simulation/observe/run_recorder.h"
 #include "simulation/record/summary.h"
@@ -43,12 +42,17 @@ using Watch = std::function<bool(simulation::Simulation&, const simulation::RunR
 [[nodiscard]] ScenarioTrial play_scenario(const simulation::Scenario& scenario,
                                           const simulation::RobotChange& change, const IsOver& is_over = {});
 
-// The same in the world that a seed draws within these bounds.
-[[nodiscard]] ScenarioTrial play_in_world(simulation::Scenario scenario, const PerturbationBounds& bounds,
-                                          std::uint64_t seed, const IsOver& is_over = {});
+// The same with another seed, which also draws the scenario's world.
+[[nodiscard]] ScenarioTrial play_in_world(simulation::Scenario scenario, std::uint64_t seed,
+                                          const IsOver& is_over = {});
 
 // The same, but a fall does not end the trial.
-[[nodiscard]] ScenarioTrial watch_in_world(simulation::Scenario scenario, const PerturbationBounds& bounds,
-                                           std::uint64_t seed, const Watch& is_over);
+[[nodiscard]] ScenarioTrial watch_in_world(simulation::Scenario scenario, std::uint64_t seed,
+                                           const Watch& is_over);
+
+// The robot in the world that a seed draws for this scenario.
+[[nodiscard]] sim_board::RobotDescription robot_in_world(const simulation::Scenario& scenario,
+                                                         const sim_board::RobotDescription& robot,
+                                                         std::uint64_t seed);
 
 }  // namespace koboshi::tools

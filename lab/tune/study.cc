@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/yaml/yaml_reader.h"
+#include "simulation/disturbance/world_ranges.h"
 #include "simulation/scenario/paths.h"
 
 namespace koboshi::tools {
@@ -39,23 +39,6 @@ StudiedTrial read_trial(const YamlValue& value) {
   return trial;
 }
 
-PerturbationBounds read_world(const YamlMap& root) {
-  PerturbationBounds world = kRoughWorld;
-  const auto map = root.optional_child("world");
-  if (!map) return world;
-  if (map->has("friction")) {
-    const std::vector<double> friction = map->numbers("friction", 2, {.min = 0.01, .max = 10.0});
-    world.lowest_friction = friction[0];
-    world.highest_friction = friction[1];
-  }
-  world.mass_share = map->number("mass", {.min = 0.0, .max = 0.5}, world.mass_share);
-  world.supply_share = map->number("supply", {.min = 0.0, .max = 0.5}, world.supply_share);
-  world.tilt_rad =
-      map->number("tilt_deg", {.min = 0.0, .max = 45.0}, 180.0 / std::numbers::pi * world.tilt_rad) *
-      std::numbers::pi / 180.0;
-  return world;
-}
-
 }  // namespace
 
 Study read_study(const std::filesystem::path& file) {
@@ -66,7 +49,7 @@ Study read_study(const std::filesystem::path& file) {
   study.file = file;
   study.scenario =
       simulation::read_input(root.value("scenario"), file.parent_path(), simulation::InputKind::kScenario);
-  study.world = read_world(root);
+  study.world = root.one_of("world", simulation::world_names(), study.world);
   for (const auto& [path, value] : root.child("numbers").entries()) {
     study.numbers.push_back(read_number(path, value));
   }

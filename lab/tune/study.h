@@ -7,7 +7,6 @@
 
 #include "base/yaml/yaml_tree.h"
 #include "lab/trial/getting_up.h"
-#include "lab/trial/perturbation.h"
 #include "lab/tune/search.h"
 
 namespace koboshi::tools {
@@ -29,7 +28,7 @@ struct StudiedTrial {
 struct Study {
   std::filesystem::path file;
   std::filesystem::path scenario;
-  PerturbationBounds world = kRoughWorld;
+  std::string world = "mild";  // in which the trials are played
   std::vector<SearchedNumber> numbers;
   std::vector<StudiedTrial> trials;
 };

@@ -17,6 +17,7 @@
 #include "lab/tune/infeasible.h"
 #include "lab/tune/lost_trials.h"
 #include "lab/tune/optimiser.h"
+#include "simulation/disturbance/world_text.h"
 #include "simulation/record/summary.h"
 #include "simulation/scenario/reader.h"
 #include "tools/plot/figure.h"
@@ -214,10 +215,10 @@ class StudySearch {
     candidate.score = sum / weights;
   }
 
-  GettingUpTrial play(const StudiedTrial& trial, const simulation::Scenario& scenario,
-                      std::uint64_t seed) const {
-    if (trial.reward == StudiedTrial::Reward::kStandUp) return play_getting_up(scenario, study_.world, seed);
-    return {play_in_world(scenario, study_.world, seed)};
+  static GettingUpTrial play(const StudiedTrial& trial, const simulation::Scenario& scenario,
+                             std::uint64_t seed) {
+    if (trial.reward == StudiedTrial::Reward::kStandUp) return play_getting_up(scenario, seed);
+    return {play_in_world(scenario, seed)};
   }
 
   Experiment make_experiment(const std::vector<double>& numbers) {
@@ -234,9 +235,12 @@ class StudySearch {
       overrides.insert(overrides.end(), trial.set.begin(), trial.set.end());
       for (const Override& item : overrides) texts.insert(texts.end(), {item.path, item.value});
       scenarios.push_back(simulation::read_scenario(study_.scenario, overrides));
+      scenarios.back().world = {simulation::world_named(study_.world), std::nullopt};
       durations_s_.push_back(1e-6 * static_cast<double>(scenarios.back().duration_us));
       experiment.cells.push_back({.name = trial.name, .settings = {{"trial", trial.name}}});
     }
+    for (const auto& [factor, range] : simulation::range_texts(simulation::world_named(study_.world)))
+      texts.insert(texts.end(), {factor, range});
     experiment.first_seed = options_.first_seed;
     experiment.seeds = options_.seeds;
     experiment.inputs = hash_inputs(study_files(study_, scenarios), texts);

@@ -33,6 +33,7 @@ Electronics::Electronics(const RobotDescription& robot, const BoardOptions& opti
       world_(world),
       host_(host),
       shares_(shares),
+      tick_clock_(kTick_us, kService_us, options.tick_jitter_us, options.seed),
       controller_(bus_.attach(receiver_, AcceptanceFilter::all(), kTransmitFifo)),
       operator_(bus_.attach(operator_node_, operators_frames(), kOperatorFifo)),
       bus_faults_(options.seed) {
@@ -136,7 +137,7 @@ void Electronics::update_sensor_nodes() {
 
 void Electronics::serve_controller() {
   input_.now_us = now_us_;
-  input_.tick = now_us_ % kTick_us == 0;
+  input_.tick = tick_clock_.due(now_us_);
   const std::uint16_t receive_overruns = input_.can_status.receive_overruns;
   input_.can_status = bus_.status(controller_);
   input_.can_status.receive_overruns = receive_overruns;
@@ -153,7 +154,7 @@ void Electronics::serve_controller() {
   input_.ankle_fresh = {};
 
   const std::uint64_t ready_us =
-      now_us_ + (input_.tick ? options_.computing_time_us : options_.service_time_us);
+      now_us_ + (input_.tick ? tick_clock_.late_us() + options_.computing_time_us : options_.service_time_us);
   // The ports have refused all frames that would not fit.
   for (const hal::CanFrame& frame : output_.frames.view()) {
     static_cast<void>(bus_.queue(controller_, frame, ready_us));
@@ -204,8 +205,9 @@ std::vector<BusMember> Electronics::bus_members() const {
 
 // Excludes data that exist only within a step.
 void Electronics::archive(StateArchive& archive) {
-  archive(now_us_, host_, input_, output_, bus_, drives_, imu_, ankles_, imu_node_, ankle_nodes_, bus_faults_,
-          babblers_, highest_supply_V_, drawn_J_, kicked_us_, enable_line_, bitten_, controller_stopped_);
+  archive(now_us_, tick_clock_, host_, input_, output_, bus_, drives_, imu_, ankles_, imu_node_, ankle_nodes_,
+          bus_faults_, babblers_, highest_supply_V_, drawn_J_, kicked_us_, enable_line_, bitten_,
+          controller_stopped_);
   if (!archive.writes()) bus_.set_disturbance(bus_faults_.empty() ? nullptr : &bus_faults_);
 }
 

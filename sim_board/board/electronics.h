@@ -10,6 +10,7 @@
 #include "hal/port/period.h"
 #include "sim_board/board/board_options.h"
 #include "sim_board/board/controller_host.h"
+#include "sim_board/board/tick_clock.h"
 #include "sim_board/board/time_shares.h"
 #include "sim_board/can/babbler.h"
 #include "sim_board/can/bus.h"
@@ -102,6 +103,10 @@ class Electronics {  // Large: one member per part that a robot carries
   // Limits the supply of all servos, as a failing voltage regulator does. Empty: the voltage of the battery
   // or the robot file.
   void limit_supply(std::optional<double> highest_V) { highest_supply_V_ = highest_V; }
+  // Adds a rate to what the gyro senses, in the axes of its link, until it is changed.
+  void add_gyro_rate(const Eigen::Vector3d& w_L_rad_per_s) {
+    if (imu_) imu_->add_rate(w_L_rad_per_s);
+  }
   void set_imu_running(bool running);
   void set_ankle_running(hal::Side side, bool running);
   void set_controller_running(bool running) { controller_stopped_ = !running; }
@@ -148,6 +153,7 @@ class Electronics {  // Large: one member per part that a robot carries
   ControllerHost& host_;
   TimeShares& shares_;
   std::uint64_t now_us_ = 0;
+  TickClock tick_clock_;
   hal::BatchInput input_;
   hal::BatchOutput output_;
   Bus bus_;

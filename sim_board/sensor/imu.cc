@@ -16,7 +16,7 @@ Imu::Imu(const ImuDescription& description, const LinkDescription& link, const E
 void Imu::step(const BodyState& link, std::uint64_t time_us) {
   const Eigen::Matrix3d R_WL = link.X_WL.linear();
   const Motion now{time_us, R_SL_ * R_WL.transpose(), link.v_WCom_W + link.w_WL_W.cross(R_WL * p_ComS_L_)};
-  const Eigen::Vector3d gyro_S = now.R_SW * link.w_WL_W;
+  const Eigen::Vector3d gyro_S = now.R_SW * link.w_WL_W + added_rate_S_;
   Eigen::Vector3d specific_force_S = now.R_SW * -g_W_;
   if (started_) {
     const double duration_s = static_cast<double>(time_us - last_.time_us) * 1e-6;

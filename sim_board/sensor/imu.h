@@ -33,6 +33,8 @@ class Imu {
   // Takes the oldest sample that has arrived by `now_us`. Returns false and leaves `sample` unchanged if
   // there is none.
   [[nodiscard]] bool poll(std::uint64_t now_us, hal::ImuSample& sample);
+  // Adds a rate to what the gyro senses from now on, in the link's axes: for measuring control loops.
+  void add_rate(const Eigen::Vector3d& w_L_rad_per_s) { added_rate_S_ = R_SL_ * w_L_rad_per_s; }
   // A stopped sensor delivers no samples.
   void set_running(bool running) { channels_.set_running(running); }
 
@@ -47,6 +49,7 @@ class Imu {
   Eigen::Matrix3d R_SL_;
   Eigen::Vector3d p_ComS_L_;  // from the link's centre of mass to the sensor
   Eigen::Vector3d g_W_;
+  Eigen::Vector3d added_rate_S_ = Eigen::Vector3d::Zero();
   CrossSensitivity g_sensitivity_;
   SixAxis channels_;
   Motion last_;

@@ -2,6 +2,7 @@
 
 #include "base/text/error.h"
 #include "simulation/assembly/plant.h"
+#include "simulation/assembly/world.h"
 #include "simulation/scenario/reader.h"
 
 namespace koboshi::simulation {
@@ -28,9 +29,14 @@ void BoardWithoutController::NoController::exchange(const hal::BatchInput&, hal:
 
 BoardWithoutController::BoardWithoutController(const Scenario& scenario)
     : scenario_(without_controller(scenario)), robot_(robot_in_world(scenario_)) {
-  sim_board::BoardOptions options = board_options(scenario_, robot_);
+  Scenario in_world = scenario_;
+  if (const auto world = draw_world(scenario_, robot_)) {
+    apply(*world, robot_);
+    apply(*world, in_world);
+  }
+  sim_board::BoardOptions options = board_options(in_world, robot_);
   options.sensors_on_bus = true;
-  board_ = make_board(scenario_, robot_, options, host_);
+  board_ = make_board(in_world, robot_, options, host_);
   board_->electronics().unplug_controller();
   player_ = std::make_unique<ScenarioPlayer>(scenario_, *board_);
 }

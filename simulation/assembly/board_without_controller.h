@@ -33,7 +33,7 @@ class BoardWithoutController {
   };
 
   const Scenario scenario_;
-  const sim_board::RobotDescription robot_;
+  sim_board::RobotDescription robot_;  // in the world
   NoController host_;
   std::unique_ptr<sim_board::SimBoard> board_;
   std::unique_ptr<ScenarioPlayer> player_;

@@ -7,6 +7,7 @@
 
 #include "base/text/error.h"
 #include "simulation/assembly/parameters.h"
+#include "simulation/assembly/world.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -43,7 +44,7 @@ Simulation::Simulation(Prepared prepared, std::uint64_t seed, const HostFactory&
                        const RobotChange& change)
     : prepared_(std::move(prepared)),
       scenario_(prepared_->scenario),
-      robot_(changed(prepared_, change)),
+      robot_before_draw_(changed(prepared_, change)),
       make_host_(make_host) {
   scenario_.seed = seed;
   power_on();
@@ -51,7 +52,16 @@ Simulation::Simulation(Prepared prepared, std::uint64_t seed, const HostFactory&
 
 void Simulation::power_on() {
   host_ = make_host_(prepared_->storage_contents);
-  board_ = make_board(scenario_, *robot_, board_options(scenario_, *robot_), *host_);
+  robot_ = robot_before_draw_;
+  world_ = draw_world(scenario_, *robot_before_draw_);
+  Scenario in_world = scenario_;
+  if (world_) {
+    auto robot = std::make_shared<sim_board::RobotDescription>(*robot_before_draw_);
+    apply(*world_, *robot);
+    apply(*world_, in_world);
+    robot_ = std::move(robot);
+  }
+  board_ = make_board(in_world, *robot_, board_options(in_world, *robot_), *host_);
   player_ = std::make_unique<ScenarioPlayer>(scenario_, *board_, resolve_parameters(scenario_.parameters));
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "sim_board/board/sim_board.h"
 #include "simulation/assembly/prepared_scenario.h"
 #include "simulation/assembly/snapshot.h"
+#include "simulation/disturbance/disturbed_world.h"
 #include "simulation/host/host_factory.h"
 #include "simulation/scenario/player.h"
 
@@ -63,7 +65,7 @@ class Simulation {
 
   // Restarts the scenario with another seed without reading and compiling its files again. The run has the
   // same bits as a new Simulation with this seed. Discards all operator input and invalidates references to
-  // board, bus and world. Throws std::logic_error while a companion is attached.
+  // robot, board, bus and world. Throws std::logic_error while a companion is attached.
   void reset(std::uint64_t seed);
 
   // Returns the scenario so far, including the operator's input, as a scenario without an operator. A
@@ -71,7 +73,9 @@ class Simulation {
   Scenario played() const;
 
   const Scenario& scenario() const { return scenario_; }
-  // The robot in the world, after the change.
+  // What the seed has drawn; null if the scenario has no world.
+  const DisturbedWorld* world() const { return world_ ? &*world_ : nullptr; }
+  // The robot in the world, after the change and with what the seed has drawn.
   const sim_board::RobotDescription& robot() const { return *robot_; }
   const NamedModel& model() const { return prepared_->model; }
   // Plan of the scenario's gait; null without a gait.
@@ -84,8 +88,10 @@ class Simulation {
 
   const std::shared_ptr<const PreparedScenario> prepared_;
   Scenario scenario_;  // the prepared one with this simulation's seed
-  const std::shared_ptr<const sim_board::RobotDescription>
-      robot_;  // the prepared one where nothing is changed
+  // The prepared one where nothing is changed.
+  const std::shared_ptr<const sim_board::RobotDescription> robot_before_draw_;
+  std::shared_ptr<const sim_board::RobotDescription> robot_;
+  std::optional<DisturbedWorld> world_;
   const HostFactory make_host_;
   std::unique_ptr<sim_board::ControllerHost> host_;
   std::unique_ptr<sim_board::SimBoard> board_;

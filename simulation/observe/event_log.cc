@@ -8,6 +8,7 @@
 #include "firmware/app/controller_objects.h"
 #include "firmware/canopen/frame.h"
 #include "firmware/drive/configuration.h"
+#include "simulation/disturbance/world_text.h"
 #include "simulation/observe/event_words.h"
 #include "simulation/observe/posture.h"
 
@@ -63,6 +64,15 @@ EventLog::EventLog(const Scenario& scenario, const NamedModel& model, const walk
     add(0, "plant",
         "The simulated robot has " + setting.field.text + " = " + setting.value + ", unlike its model.",
         {{"key", setting.field.text}, {"value", setting.value}});
+  last_text_.clear();
+}
+
+void EventLog::add_world(const DisturbedWorld& world, const sim_board::RobotDescription& robot) {
+  for (const auto& [factor, value] : drawn_texts(world, robot)) {
+    add(0, "world",
+        fmt::format("Seed {} of the world {} draws {}: {}.", world.seed, world.name, factor, value),
+        {{"world", world.name}, {"seed", world.seed}, {"factor", factor}, {"value", value}});
+  }
   last_text_.clear();
 }
 

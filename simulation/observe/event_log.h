@@ -13,6 +13,7 @@
 #include "firmware/behaviour/state.h"
 #include "firmware/walk/velocity.h"
 #include "hal/port/can.h"
+#include "simulation/disturbance/disturbed_world.h"
 #include "simulation/model/robot_model.h"
 #include "simulation/observe/event_store.h"
 #include "simulation/observe/ground_truth.h"
@@ -35,6 +36,8 @@ class EventLog {  // Large: one member per kind of event seen last
   // later ones.
   void observe_tick(std::uint64_t now_us, const Telemetry& said, const GroundTruth& truth,
                     std::span<const Push> pushes);
+  // Adds, at the beginning, what a world has drawn for the robot.
+  void add_world(const DisturbedWorld& world, const sim_board::RobotDescription& robot);
   // Adds an event that only the caller can detect.
   void add(std::uint64_t time_us, const std::string& kind, const std::string& text,
            nlohmann::ordered_json fields = nlohmann::ordered_json::object());

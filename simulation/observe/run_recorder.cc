@@ -40,6 +40,7 @@ RunRecorder::RunRecorder(Simulation& simulation, Recorder* recorder, sim_board::
       events_(simulation.scenario(), simulation.model(),
               controller_values(simulation.scenario()).velocity_limits),
       self_contacts_(simulation.robot()) {
+  if (simulation.world() != nullptr) events_.add_world(*simulation.world(), simulation.robot());
   if (const GaitPlan* plan = simulation.gait_plan()) {
     // The gait's motion follows those that the scenario names.
     const auto motion = static_cast<std::uint8_t>(simulation.scenario().motions.size());

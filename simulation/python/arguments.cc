@@ -27,7 +27,7 @@ std::vector<double> numbers_of(const py::handle& vector) { return vector.cast<st
 
 Scenario read(const std::filesystem::path& file, const std::optional<std::uint64_t>& seed,
               const std::optional<std::string>& stepper, const std::optional<std::filesystem::path>& robot,
-              const py::dict& set) {
+              const std::optional<std::string>& world, const py::dict& set) {
   std::vector<Override> overrides;
   for (const auto& [path, value] : set) overrides.push_back({py::str(path), yaml_of(value), "set"});
   if (seed) overrides.push_back({"seed", std::to_string(*seed), "seed"});
@@ -36,6 +36,7 @@ Scenario read(const std::filesystem::path& file, const std::optional<std::uint64
     overrides.back().option = "robot";
   }
   if (stepper) overrides.push_back({"physics.stepper", *stepper, "stepper"});
+  if (world) overrides.push_back(text_override("world", *world, "world"));
   return read_scenario(find_input(InputKind::kScenario, file), overrides);
 }
 

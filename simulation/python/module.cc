@@ -20,6 +20,7 @@
 #include "sim_board/world/world.h"
 #include "simulation/batch/batch.h"
 #include "simulation/batch/parallel.h"
+#include "simulation/disturbance/world_text.h"
 #include "simulation/observe/watched_simulation.h"
 #include "simulation/python/arguments.h"
 #include "simulation/python/observation.h"
@@ -82,8 +83,8 @@ class PySimulation {
  public:
   PySimulation(const std::filesystem::path& scenario, const std::optional<std::uint64_t>& seed,
                const std::optional<std::string>& stepper, const std::optional<std::filesystem::path>& robot,
-               const py::dict& set, bool frames)
-      : keeps_frames_(frames), world_(read(scenario, seed, stepper, robot, set)) {
+               const std::optional<std::string>& world, const py::dict& set, bool frames)
+      : keeps_frames_(frames), world_(read(scenario, seed, stepper, robot, world, set)) {
     world_.keep_frames(frames);
   }
 
@@ -124,8 +125,10 @@ class PyBatch {
  public:
   PyBatch(const std::filesystem::path& scenario, const std::vector<std::uint64_t>& seeds,
           const std::optional<std::size_t>& threads, const std::optional<std::string>& stepper,
-          const std::optional<std::filesystem::path>& robot, const py::dict& set)
-      : batch_(read(scenario, std::nullopt, stepper, robot, set), seeds, threads.value_or(core_count())) {}
+          const std::optional<std::filesystem::path>& robot, const std::optional<std::string>& world,
+          const py::dict& set)
+      : batch_(read(scenario, std::nullopt, stepper, robot, world, set), seeds,
+               threads.value_or(core_count())) {}
 
   std::size_t size() const { return batch_.size(); }
   void step(std::size_t milliseconds) {
@@ -180,15 +183,16 @@ scenario: scenario file (docs/reference/scenario-format.md).
 seed:     seed of all random errors; default: the scenario's.
 stepper:  "world", "lumped" or "mujoco"; default: the scenario's.
 robot:    folder, file or name of a robot; default: the scenario's.
+world:    "mild", "rough" or "harsh" (docs/reference/worlds.md), drawn by the seed; default: the scenario's.
 set:      values that replace those of the file, by dotted path: {"ground.friction": 0.5}.
 frames:   True to record the frames on the bus for frames().
 
 Raises InputError with file and line for an error in a file.)")
       .def(py::init<const std::filesystem::path&, const std::optional<std::uint64_t>&,
                     const std::optional<std::string>&, const std::optional<std::filesystem::path>&,
-                    const py::dict&, bool>(),
+                    const std::optional<std::string>&, const py::dict&, bool>(),
            "scenario"_a, py::kw_only(), "seed"_a = py::none(), "stepper"_a = py::none(),
-           "robot"_a = py::none(), "set"_a = py::dict(), "frames"_a = false)
+           "robot"_a = py::none(), "world"_a = py::none(), "set"_a = py::dict(), "frames"_a = false)
       .def("step", &PySimulation::step, "milliseconds"_a = 10,
            R"(Advances the simulation by this time, also beyond the scenario's duration.
 
@@ -276,6 +280,18 @@ A structured array with the fields time_us (end of the last bit), identifier, si
           "Returns the events of the run (docs/reference/events.md) as pairs of a time in seconds and a "
           "sentence.")
       .def_property_readonly(
+          "drawn",
+          [](PySimulation& self) {
+            std::map<std::string, std::string> factors;
+            const Simulation& simulation = self.idle().simulation();
+            if (const DisturbedWorld* world = simulation.world()) {
+              for (const auto& [factor, value] : drawn_texts(*world, simulation.robot()))
+                factors.emplace(factor, value);
+            }
+            return factors;
+          },
+          "What the seed has drawn for this world: a text for each factor. Empty without a world.")
+      .def_property_readonly(
           "verdict", [](PySimulation& self) { return self.idle().recorder().events().verdict(); },
           "Outcome in one sentence: \"stands; fell once at 3.2 s and got up in 3.4 s; 0 faults\".")
       .def_property_readonly(
@@ -311,9 +327,10 @@ seeds:   one simulation per seed.
 threads: number of threads; default: one per core.)")
       .def(py::init<const std::filesystem::path&, const std::vector<std::uint64_t>&,
                     const std::optional<std::size_t>&, const std::optional<std::string>&,
-                    const std::optional<std::filesystem::path>&, const py::dict&>(),
+                    const std::optional<std::filesystem::path>&, const std::optional<std::string>&,
+                    const py::dict&>(),
            "scenario"_a, "seeds"_a, py::kw_only(), "threads"_a = py::none(), "stepper"_a = py::none(),
-           "robot"_a = py::none(), "set"_a = py::dict())
+           "robot"_a = py::none(), "world"_a = py::none(), "set"_a = py::dict())
       .def("__len__", &PyBatch::size)
       .def("step", &PyBatch::step, "milliseconds"_a = 10,
            "Advances each simulation by this time. If some of them raise, the others complete the step, and "

@@ -18,6 +18,7 @@ sim_board::BoardOptions board_options(const Scenario& scenario, const sim_board:
   options.seed = scenario.seed;
   options.noise_scale = scenario.noise_scale;
   options.computing_time_us = scenario.computing_time_us;
+  options.tick_jitter_us = scenario.tick_jitter_us;
 
   sim_board::WorldOptions& world = options.world;
   world.step_s = 1e-6 * static_cast<double>(scenario.physics.step_us);

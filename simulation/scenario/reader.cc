@@ -78,12 +78,36 @@ double read_noise_scale(const YamlMap& root) {
   return value.number({.min = 0.0, .max = 100.0});
 }
 
-std::uint64_t read_computing_time_us(const YamlMap& root) {
-  constexpr std::int64_t kDefault_us = 500;
+// Reads the name of a world, or a map of its name and the seed of its draw.
+std::optional<WorldChoice> read_world(const YamlMap& root) {
+  if (!root.has("world")) return std::nullopt;
+  const YamlValue value = root.value("world");
+  if (!value.is_map()) return WorldChoice{world_named(root.one_of("world", world_names())), std::nullopt};
+  const YamlMap map = value.map();
+  WorldChoice world{world_named(map.one_of("name", world_names())), std::nullopt};
+  if (map.has("seed")) world.seed = static_cast<std::uint64_t>(map.integer("seed", {.min = 0}));
+  return world;
+}
+
+// A tick that is late and its computing time end before the next tick.
+void read_controller(const YamlMap& root, Scenario& scenario) {
+  constexpr std::int64_t kMaxTick_us = 9000;
   const auto controller = root.optional_child("controller");
-  if (!controller) return kDefault_us;
-  return static_cast<std::uint64_t>(
-      controller->integer("computing_time_us", {.min = 0, .max = 9000}, kDefault_us));
+  if (controller) {
+    scenario.computing_time_us = static_cast<std::uint64_t>(
+        controller->integer("computing_time_us", {.min = 0, .max = kMaxTick_us}, 500));
+    scenario.tick_jitter_us =
+        static_cast<std::uint64_t>(controller->integer("tick_jitter_us", {.min = 0, .max = kMaxTick_us}, 0));
+  }
+  const double drawn_us = scenario.world ? 1e6 * scenario.world->ranges.tick_jitter_s.high : 0.0;
+  const auto latest_us = scenario.computing_time_us + scenario.tick_jitter_us +
+                         static_cast<std::uint64_t>(std::llround(drawn_us));
+  if (latest_us > kMaxTick_us) {
+    throw root.error_at(
+        "controller",
+        std::to_string(latest_us) + " us of computing time and jitter, that of the world included",
+        "at most " + std::to_string(kMaxTick_us) + " us");
+  }
 }
 
 sim_board::Stepper read_stepper(const YamlMap& physics, sim_board::Stepper preset) {
@@ -204,7 +228,8 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   scenario.duration_us = to_us(root.number("duration_s", {.min = 0.01, .max = kMaxRun_s}));
   scenario.seed = static_cast<std::uint64_t>(root.integer("seed", {.min = 0}, 1));
   scenario.noise_scale = read_noise_scale(root);
-  scenario.computing_time_us = read_computing_time_us(root);
+  scenario.world = read_world(root);
+  read_controller(root, scenario);
   scenario.teleop = root.boolean("teleop", false);
   scenario.physics = read_physics(root);
   scenario.ground = read_ground(root, folder);

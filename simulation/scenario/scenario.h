@@ -16,6 +16,7 @@
 #include "sim_board/can/bus_faults.h"
 #include "sim_board/description/description.h"
 #include "sim_board/world/options.h"
+#include "simulation/disturbance/world_ranges.h"
 
 namespace koboshi::simulation {
 
@@ -201,18 +202,26 @@ struct PlantSetting {
   std::string value;  // with or without a unit: 80 g
 };
 
+// A world that differs from the files by a random draw.
+struct WorldChoice {
+  WorldRanges ranges;
+  std::optional<std::uint64_t> seed;  // of the draw; if empty, the run's
+};
+
 struct Scenario {
   std::filesystem::path file;
   YamlNode document{};  // contents of the file including the overrides; null if there is no file
   std::filesystem::path robot;
   RobotParameters robot_parameters;
   std::vector<PlantSetting> plant;    // in the order in which they are set
+  std::optional<WorldChoice> world;   // empty: as the files describe it
   std::vector<MotionChoice> motions;  // the index is the motion's number in the controller
   std::optional<GaitChoice> gait;
   std::uint64_t duration_us = 0;
   std::uint64_t seed = 1;
   double noise_scale = 1.0;               // scales the sensors' random errors
   std::uint64_t computing_time_us = 500;  // of the controller per tick
+  std::uint64_t tick_jitter_us = 0;       // largest delay of a tick
   bool teleop = false;                    // an operator controls the run
   Physics physics;
   Ground ground;

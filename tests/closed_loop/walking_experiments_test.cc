@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "lab/catalogue/loop.h"
 #include "lab/catalogue/push_recovery.h"
+#include "lab/catalogue/robustness.h"
 #include "lab/catalogue/terrain.h"
 #include "lab/catalogue/walking_speed.h"
 #include "lab/experiment/ladder.h"
@@ -63,6 +67,59 @@ TEST(Terrain, PassesOnAFloorAndFailsOnASteepSlope) {
   const ExperimentResult result = play_experiment(experiment, {});
   ASSERT_EQ(climb_of(uphill, result).highest, uphill.cells.front());
   EXPECT_EQ(experiment.conclude(experiment, result).values.at("uphill_passed"), 0.0);
+}
+
+// The weakest and the hardest push at a standing robot, in two directions; all other factors are nominal.
+TEST(Robustness, CountsEachKindOfLossUpToTheCliff) {
+  RobustnessOptions options = short_form<RobustnessOptions>();
+  options.scenario = KOBOSHI_SOURCE_DIR "/scenarios/get_up.yaml";
+  options.activities = {"push-standing"};
+  options.factors = {"impulse"};
+  options.seeds = 2;
+  Experiment experiment = make_robustness(options);
+  ASSERT_EQ(experiment.ladders.size(), 1u);
+  Ladder& impulse = experiment.ladders.front();
+  const std::size_t weakest = impulse.cells.front();
+  const std::size_t hardest = impulse.cells.back();
+  impulse.cells = {weakest, hardest};
+  const ExperimentResult result = play_experiment(experiment, {});
+  for (const RobustnessTrial& trial : robustness_fields().trials(result.cells[weakest]))
+    EXPECT_FALSE(trial.lost);
+  const auto pushed_over = robustness_fields().trials(result.cells[hardest]);
+  ASSERT_EQ(pushed_over.size(), 2u);
+  for (const RobustnessTrial& trial : pushed_over) {
+    EXPECT_TRUE(trial.lost);
+    EXPECT_TRUE(trial.outcome == Outcome::kFell || trial.outcome == Outcome::kGaveUp);
+  }
+  const auto lost =
+      experiment.conclude(experiment, result).values.at("lost").at("push-standing").at("impulse");
+  EXPECT_EQ(lost.front(), 0.0);
+  EXPECT_EQ(lost.back(), 1.0);
+}
+
+// The feedback of the rate is proportional below its clamp: with it, the loop has a gain; without any
+// feedback the trunk does not care what the gyro senses.
+TEST(Loop, HasAGainOnlyWithFeedback) {
+  LoopOptions options = short_form<LoopOptions>();
+  options.states = {"walking"};
+  options.axes = {"roll"};
+  options.frequencies_Hz = {3.0};
+  options.shortest_s = 2.0;
+  const auto gain = [&] {
+    const Experiment experiment = make_loop(options);
+    const LoopTrial trial = loop_fields().trials(play_experiment(experiment, {}).cells.front()).at(0);
+    EXPECT_EQ(trial.outcome, Outcome::kSurvived) << trial.error;
+    return std::hypot(trial.gain_real.value_or(0.0), trial.gain_imaginary.value_or(0.0));
+  };
+  const double closed = gain();
+  for (const Feedback& feedback : feedbacks()) {
+    if (feedback.name == "capture") continue;
+    for (const std::string& name : feedback.parameters)
+      options.overrides.push_back({"parameters." + name, "0"});
+  }
+  const double open = gain();
+  EXPECT_GT(closed, 0.1);
+  EXPECT_LT(open, 0.3 * closed);
 }
 
 }  // namespace

@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "base/text/error.h"
 #include "tests/unit/simulation/scenario/temporary_tree.h"
 
@@ -15,7 +13,7 @@ using ::testing::HasSubstr;
 
 const char* const kStudy = R"(version: 1
 scenario: ../scenarios/go.yaml
-world: {friction: [0.4, 1.0], mass: 0.1, tilt_deg: 2, supply: 0.05}
+world: rough
 numbers:
   parameters.step_time_ms: {range: [200, 360], grid: 10, start: 220}
   parameters.step_width_mm: {range: [58, 85], grid: 0.1, start: 77.2}
@@ -52,11 +50,7 @@ class StudyReader : public testing::Test {
 TEST_F(StudyReader, ReadsEverySetting) {
   const Study study = read(kStudy);
   EXPECT_EQ(study.scenario, tree_.root() / "scenarios/go.yaml");
-  EXPECT_EQ(study.world.lowest_friction, 0.4);
-  EXPECT_EQ(study.world.highest_friction, 1.0);
-  EXPECT_EQ(study.world.mass_share, 0.1);
-  EXPECT_EQ(study.world.supply_share, 0.05);
-  EXPECT_NEAR(study.world.tilt_rad, 2.0 * std::numbers::pi / 180.0, 1e-12);
+  EXPECT_EQ(study.world, "rough");
   ASSERT_EQ(study.numbers.size(), 2u);
   EXPECT_EQ(study.numbers[0].path, "parameters.step_time_ms");  // in the file's order
   EXPECT_EQ(study.numbers[1].low, 58.0);
@@ -75,6 +69,7 @@ TEST_F(StudyReader, ReadsEverySetting) {
 }
 
 TEST_F(StudyReader, FillsInDefaultsOfATrial) {
+  EXPECT_EQ(read(with("world: rough\n", "")).world, "mild");
   const StudiedTrial trial = read(kStudy).trials[1];
   EXPECT_TRUE(trial.set.empty());
   EXPECT_EQ(trial.reward, StudiedTrial::Reward::kSurvival);
@@ -96,8 +91,8 @@ TEST_F(StudyReader, ReportsLineAndValueOfAnError) {
   EXPECT_THAT(refusal(with("grid: 10,", "grid: 0,")), HasSubstr("walk.yaml:5: found"));
   EXPECT_THAT(refusal(with("reward: forward", "reward: fame")), HasSubstr("walk.yaml:10: found"));
   EXPECT_THAT(refusal(with("weight: 3", "weight: 0")), HasSubstr("walk.yaml:12: found"));
-  EXPECT_THAT(refusal(with("mass: 0.1", "mass: 0.6")), HasSubstr("walk.yaml:3: found"));
-  EXPECT_THAT(refusal(with("supply", "current")), HasSubstr("current"));
+  EXPECT_THAT(refusal(with("rough", "bumpy")), HasSubstr("walk.yaml:3: found world = bumpy"));
+  EXPECT_THAT(refusal(with("rough", "{mass: 0.1}")), HasSubstr("walk.yaml:3: found"));
   EXPECT_THAT(refusal(with("go.yaml", "gone.yaml")), HasSubstr("walk.yaml:2: found"));
   EXPECT_THAT(refusal(with("version: 1", "version: 2")), HasSubstr("walk.yaml:1: found"));
 }

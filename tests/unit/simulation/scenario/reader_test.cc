@@ -30,6 +30,8 @@ TEST(ScenarioReader, FillsInDefaults) {
   EXPECT_EQ(scenario.seed, 1u);
   EXPECT_EQ(scenario.noise_scale, 1.0);
   EXPECT_EQ(scenario.computing_time_us, 500u);
+  EXPECT_EQ(scenario.tick_jitter_us, 0u);
+  EXPECT_FALSE(scenario.world);
   EXPECT_FALSE(scenario.teleop);
   EXPECT_EQ(scenario.physics.step_us, 1000u);
   EXPECT_EQ(scenario.physics.stepper, sim_board::Stepper::kLumped);
@@ -49,6 +51,10 @@ TEST(ScenarioReader, ReadsEverySetting) {
   EXPECT_EQ(scenario.noise_scale, 0.5);
   EXPECT_TRUE(scenario.teleop);
   EXPECT_EQ(scenario.computing_time_us, 800u);
+  EXPECT_EQ(scenario.tick_jitter_us, 300u);
+  ASSERT_TRUE(scenario.world);
+  EXPECT_EQ(scenario.world->ranges, world_named("rough"));
+  EXPECT_EQ(scenario.world->seed, 11u);
   EXPECT_EQ(scenario.physics.step_us, 250u);
   EXPECT_EQ(scenario.physics.stepper, sim_board::Stepper::kWorld);
   EXPECT_EQ(scenario.physics.friction, sim_board::FrictionMethod::kRows);
@@ -180,6 +186,11 @@ TEST(ScenarioReader, RejectsValuesOutOfRangeAndUnknownKeys) {
       {"motions: [robots/box/motions/jump.yaml]", "no file robots/box/motions/jump.yaml"},
       {"motions: [robots/box/motions/bow.yaml, robots/box/motions/bow.yaml]", "a second motion named bow"},
       {"controller: {computing_time_us: 9001}", "9001"},
+      {"controller: {tick_jitter_us: 9001}", "9001"},
+      {"controller: {computing_time_us: 5000, tick_jitter_us: 4001}", "9001 us of computing time and jitter"},
+      {"world: bumpy", "world = bumpy"},
+      {"world: {name: rough, seed: -1}", "seed = -1"},
+      {"world: {seed: 3}", "name"},
       {"physics: {step_ms: 2}", "step_ms = 2"},
       {"physics: {step_ms: 0.3}", "step_ms = 0.3"},
       {"physics: {step_ms: 0.0125}", "step_ms = 0.0125"},

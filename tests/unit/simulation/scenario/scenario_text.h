@@ -21,7 +21,8 @@ motions: [robots/box/motions/bow.yaml, ../robots/box/motions/squat.yaml]
 duration_s: 12.5
 seed: 7
 noise: 0.5
-controller: {computing_time_us: 800}
+controller: {computing_time_us: 800, tick_jitter_us: 300}
+world: {name: rough, seed: 11}
 teleop: true
 physics: {step_ms: 0.25, stepper: world, friction: rows}
 ground: {friction: 0.6, stiffness_N_per_m: 3000, damping_N_s_per_m: 20, tilt_deg: [1, -2]}
