@@ -53,12 +53,16 @@ LoopMargins margins_of(std::span<const LoopPoint> points) {
     if (before >= 1.0 && after < 1.0) {
       const double part = part_at(std::log(before), std::log(after), 0.0);
       margins.crossover_Hz = frequency_at(part);
-      margins.phase_margin_deg = 180.0 + std::lerp(phases[i - 1], phases[i], part);
+      margins.phase_margin_deg = std::remainder(180.0 + std::lerp(phases[i - 1], phases[i], part), 360.0);
     }
-    if (phases[i - 1] >= -180.0 && phases[i] < -180.0 && !margins.gain_margin) {
-      const double part = part_at(phases[i - 1], phases[i], -180.0);
+    // The first -180 degrees, or whole turns from there, at or below the phase before.
+    const double level = 360.0 * std::floor((phases[i - 1] + 180.0) / 360.0) - 180.0;
+    if (phases[i] < level) {
+      const double part = part_at(phases[i - 1], phases[i], level);
+      const double margin = 1.0 / between_logs(before, after, part);
+      if (margins.gain_margin && *margins.gain_margin <= margin) continue;
       margins.phase_crossover_Hz = frequency_at(part);
-      margins.gain_margin = 1.0 / between_logs(before, after, part);
+      margins.gain_margin = margin;
     }
   }
   return margins;

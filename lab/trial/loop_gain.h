@@ -43,8 +43,9 @@ struct LoopPoint {
 // Stability margins, interpolated between points in the logarithms of gain and frequency.
 struct LoopMargins {
   std::optional<double> crossover_Hz{};        // the highest frequency at which the gain falls below 1
-  std::optional<double> phase_margin_deg{};    // 180 degrees plus the phase there
-  std::optional<double> phase_crossover_Hz{};  // the lowest at which the phase falls below -180 degrees
+  std::optional<double> phase_margin_deg{};    // 180 degrees plus the phase there, within half a turn
+  std::optional<double> phase_crossover_Hz{};  // where the phase falls through -180 degrees; of several, the
+                                               // one with the highest gain
   std::optional<double> gain_margin{};         // 1 over the gain there
   double distance = 0.0;                       // the least distance of a point from -1
 };

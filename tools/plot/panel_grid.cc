@@ -9,10 +9,10 @@
 namespace koboshi::tools {
 namespace {
 
-constexpr int kGridHead_px = 66;   // title and the key
-constexpr int kPanelLeft_px = 62;  // tick labels and label of the ordinate
-constexpr int kPanelFoot_px = 48;  // tick labels and label of the abscissa
-constexpr int kPanelHead_px = 24;  // title of the panel
+constexpr int kTitleRow_px = 38;   // above the key
+constexpr int kPanelLeft_px = 74;  // tick labels and label of the ordinate
+constexpr int kPanelFoot_px = 62;  // tick labels and label of the abscissa
+constexpr int kPanelHead_px = 30;  // title of the panel
 constexpr int kGridRight_px = 12;  // margin of the page
 
 struct Layout {
@@ -21,7 +21,8 @@ struct Layout {
         rows((static_cast<int>(grid.panels.size()) + grid.columns - 1) / grid.columns),
         cell_width_px((kWidth_px - kGridRight_px) / grid.columns),
         cell_height_px(grid.panel_height_px),
-        page_px(kGridHead_px + rows * grid.panel_height_px) {}
+        head_px(head_of(grid)),
+        page_px(head_px + rows * grid.panel_height_px) {}
 
   std::string across(int px) const { return number_text(static_cast<double>(px) / kWidth_px); }
   std::string from_top(int px) const { return number_text(1.0 - static_cast<double>(px) / page_px); }
@@ -30,7 +31,17 @@ struct Layout {
   int rows;
   int cell_width_px;
   int cell_height_px;
+  int head_px;  // title and key, a row for each entry
   int page_px;
+
+ private:
+  static int head_of(const PanelGrid& grid) {
+    int entries = 0;
+    if (!grid.panels.empty()) {
+      for (const PlaneCurve& curve : grid.panels.front().curves) entries += curve.label.empty() ? 0 : 1;
+    }
+    return kTitleRow_px + entries * kKeyRow_px;
+  }
 };
 
 std::string grid_block_name(std::size_t panel, std::size_t curve) {
@@ -50,7 +61,7 @@ std::string style_text(const PlaneCurve& curve) {
 void write_panel(std::ostream& out, const PanelGrid& grid, std::size_t number, const Layout& layout) {
   const GridPanel& panel = grid.panels[number];
   const int left_px = static_cast<int>(number) % layout.columns * layout.cell_width_px;
-  const int top_px = kGridHead_px + static_cast<int>(number) / layout.columns * layout.cell_height_px;
+  const int top_px = layout.head_px + static_cast<int>(number) / layout.columns * layout.cell_height_px;
   out << "set lmargin at screen " << layout.across(left_px + kPanelLeft_px) << "\nset rmargin at screen "
       << layout.across(left_px + layout.cell_width_px - kGridRight_px) << "\nset tmargin at screen "
       << layout.from_top(top_px + kPanelHead_px) << "\nset bmargin at screen "
@@ -65,8 +76,8 @@ void write_panel(std::ostream& out, const PanelGrid& grid, std::size_t number, c
     out << "set yrange [" << number_text(panel.y_span->low) << ":" << number_text(panel.y_span->high)
         << "]\n";
   if (number == 0) {
-    out << "set key horizontal left top at screen " << layout.across(kPanelLeft_px) << ", screen "
-        << layout.from_top(kTitle_px + 8) << " samplen 2 maxrows 1 textcolor '#303030'\n";
+    out << "set key vertical left Left reverse top at screen " << layout.across(kPanelLeft_px) << ", screen "
+        << layout.from_top(kTitle_px + 8) << " samplen 2 textcolor '#303030'\n";
   } else {
     out << "unset key\n";
   }

@@ -13,9 +13,9 @@
 namespace koboshi::simulation {
 namespace {
 
-const std::string kSquat = KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml";
+const std::string kSquatInWorld = KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml";
 
-Scenario in_world(const std::vector<Override>& overrides) { return read_scenario(kSquat, overrides); }
+Scenario in_world(const std::vector<Override>& overrides) { return read_scenario(kSquatInWorld, overrides); }
 
 TEST(SimulationInAWorld, ChangesRobotAndGroundAndNotTheModel) {
   const Simulation as_described(in_world({}));

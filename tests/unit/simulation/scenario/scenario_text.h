@@ -22,7 +22,6 @@ duration_s: 12.5
 seed: 7
 noise: 0.5
 controller: {computing_time_us: 800, tick_jitter_us: 300}
-world: {name: rough, seed: 11}
 teleop: true
 physics: {step_ms: 0.25, stepper: world, friction: rows}
 ground: {friction: 0.6, stiffness_N_per_m: 3000, damping_N_s_per_m: 20, tilt_deg: [1, -2]}
@@ -40,6 +39,7 @@ faults:
   - {at_s: 8, kind: drive_silent, target: left_knee}
   - {at_s: 8.5, kind: ankle_stop, target: right}
   - {at_s: 8.6, kind: bus_unacknowledged}
+world: {name: rough, seed: 11}
 )";
 
 inline Scenario read(const TemporaryTree& tree, const std::string& text,
