@@ -98,6 +98,13 @@ bool in_range(const SensorScales& scales) {
          scales.ankle_force > fixed::Force() && scales.ankle_torque > fixed::Torque();
 }
 
+// Sums in 64 bits: the masses of an unchecked image may be any.
+bool in_range_together(const RobotModel& model) {
+  std::int64_t sum_raw = model.base_mass.raw();
+  for (std::size_t i = 0; i < model.joint_count; ++i) sum_raw += model.joints[i].mass.raw();
+  return sum_raw <= kMaxRobotMass.raw();
+}
+
 ModelStatus check_body(const RobotModel& model) {
   const bool ok = in_range(model.base_centre_of_mass) && in_range(model.base_mass) &&
                   model.base_mass > Mass() && model.body_height > Length() &&
@@ -120,6 +127,7 @@ ModelStatus check_model(RobotModel& model) {
     const ModelStatus status = check_joint(model, model.joints[i]);
     if (status != ModelStatus::kOk) return status;
   }
+  if (!in_range_together(model)) return ModelStatus::kOutOfRange;
   if (const ModelStatus status = check_pairs(model); status != ModelStatus::kOk) return status;
   if (!sort_tree(model)) return ModelStatus::kCyclicTree;
   if (!has_leg(model, hal::Side::kLeft) || !has_leg(model, hal::Side::kRight)) return ModelStatus::kBadLeg;

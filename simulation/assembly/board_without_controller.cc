@@ -1,7 +1,10 @@
 #include "simulation/assembly/board_without_controller.h"
 
+#include <fmt/format.h>
+
 #include "base/text/error.h"
 #include "simulation/assembly/plant.h"
+#include "simulation/model/bus_load.h"
 #include "simulation/scenario/reader.h"
 
 namespace koboshi::simulation {
@@ -18,6 +21,16 @@ const Scenario& without_controller(const Scenario& scenario) {
   return scenario;
 }
 
+// A board with its sensors on the bus carries more than one with the controller's own.
+const sim_board::RobotDescription& checked(const sim_board::RobotDescription& robot) {
+  const double load = bus_load(robot.joints.size(), true).longest;
+  if (load <= kMaxBusLoad) return robot;
+  throw InputError(robot.file, robot.line,
+                   fmt::format("{} drives, which load the bus together with the sensors by up to {:.1f} %",
+                               robot.joints.size(), 100.0 * load),
+                   fmt::format("at most {:.0f} %", 100.0 * kMaxBusLoad));
+}
+
 }  // namespace
 
 void BoardWithoutController::NoController::exchange(const hal::BatchInput&, hal::BatchOutput& output) {
@@ -28,7 +41,7 @@ void BoardWithoutController::NoController::exchange(const hal::BatchInput&, hal:
 
 BoardWithoutController::BoardWithoutController(const Scenario& scenario)
     : scenario_(without_controller(scenario)), robot_(robot_in_world(scenario_)) {
-  sim_board::BoardOptions options = board_options(scenario_, robot_);
+  sim_board::BoardOptions options = board_options(scenario_, checked(robot_));
   options.sensors_on_bus = true;
   board_ = make_board(scenario_, robot_, options, host_);
   board_->electronics().unplug_controller();
