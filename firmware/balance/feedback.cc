@@ -33,7 +33,33 @@ Feedback::Feedback(const robot::RobotModel& model) : joints_(model.joint_count) 
     };
     legs_[side] = {joint(robot::kHipRoll), joint(robot::kHipPitch), joint(robot::kKnee),
                    joint(robot::kAnklePitch), joint(robot::kAnkleRoll)};
+    set_hip(model, geometry, legs_[side]);
   }
+}
+
+// Cramer's rule for the axes a, b, c of yaw, roll and pitch: the first row of the inverse of (a b c) is
+// (b x c) / det, and so on. Hips whose roll and pitch have their own axes need none of that, and neither do
+// those without yaw, whose two joints are taken for roll and pitch.
+void Feedback::set_hip(const robot::RobotModel& model, const robot::LegGeometry& geometry, Leg& leg) {
+  // Below it the hip cannot turn the leg about all axes. By hand, 2026-11-27: 1 where the axes are
+  // orthogonal.
+  constexpr fixed::Ratio kMinDeterminant = fixed::Ratio::from_raw(1 << 28);
+  if (!geometry.can_turn()) return;
+  leg.hips = {geometry.joints[robot::kHipYaw], geometry.joints[robot::kHipRoll],
+              geometry.joints[robot::kHipPitch]};
+  const robot::Direction& a = model.joints[leg.hips[0]].axis;
+  const robot::Direction& b = model.joints[leg.hips[1]].axis;
+  const robot::Direction& c = model.joints[leg.hips[2]].axis;
+  const bool has_own_axes =
+      (b == robot::kAxisX || b == -robot::kAxisX) && (c == robot::kAxisY || c == -robot::kAxisY);
+  const fixed::Ratio determinant = dot(a, cross(b, c));
+  if (has_own_axes || fixed::abs(determinant) < kMinDeterminant) return;
+  const std::array rows{cross(b, c), cross(c, a), cross(a, b)};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    leg.for_roll[i] = fixed::quotient<fixed::Ratio>(rows[i].x, determinant);
+    leg.for_pitch[i] = fixed::quotient<fixed::Ratio>(rows[i].y, determinant);
+  }
+  leg.has_oblique_hip = true;
 }
 
 void Feedback::correct(const FeedbackGains& gains, const estimation::TrunkMotion& trunk,
@@ -57,8 +83,14 @@ void Feedback::correct(const FeedbackGains& gains, const estimation::TrunkMotion
     target = fixed::Angle::from_raw(fixed::add_saturated(target.raw(), joint.sign * angle.raw()));
   };
   for (const Leg& leg : legs_) {
-    turn(leg.hip_roll, hip_roll);
-    turn(leg.hip_pitch, hip_pitch);
+    if (leg.has_oblique_hip) {
+      for (std::size_t i = 0; i < leg.hips.size(); ++i)
+        turn({leg.hips[i], 1}, fixed::product<fixed::Angle>(leg.for_roll[i], hip_roll) +
+                                   fixed::product<fixed::Angle>(leg.for_pitch[i], hip_pitch));
+    } else {
+      turn(leg.hip_roll, hip_roll);
+      turn(leg.hip_pitch, hip_pitch);
+    }
     turn(leg.knee, knee);
     turn(leg.ankle_pitch, ankle_pitch);
     turn(leg.ankle_roll, ankle_roll);

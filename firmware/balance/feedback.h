@@ -6,6 +6,7 @@
 
 #include "firmware/estimation/trunk_motion.h"
 #include "firmware/fixed/literals.h"
+#include "firmware/robot/leg.h"
 #include "firmware/robot/model.h"
 
 namespace koboshi::balance {
@@ -79,7 +80,15 @@ class Feedback {
     Joint knee;
     Joint ankle_pitch;
     Joint ankle_roll;
+    // For hips with an oblique axis: the angle of each hip joint (yaw, roll, pitch) that turns the leg by one
+    // about x and about y, that is two columns of the inverse of the hip's Jacobian at joint zero.
+    bool has_oblique_hip = false;
+    std::array<robot::JointIndex, 3> hips{};
+    std::array<fixed::Ratio, 3> for_roll{};
+    std::array<fixed::Ratio, 3> for_pitch{};
   };
+
+  static void set_hip(const robot::RobotModel& model, const robot::LegGeometry& geometry, Leg& leg);
 
   std::size_t joints_;
   hal::BySide<Leg> legs_{};

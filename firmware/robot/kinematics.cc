@@ -26,8 +26,9 @@ Pose sole_pose(const RobotModel& model, hal::Side side, const LinkPoses& X_BLink
 
 namespace {
 
-// Sums mass times coordinate, in LSB of Mass times LSB of Length. 5 kg at 32 m are 2^56; 32 links stay below
-// 2^61.
+// Sums mass times coordinate, in LSB of Mass times LSB of Length. All masses together are at most
+// kMaxRobotMass, 2^30, and no link is farther than kMaxJoints + 1 times kMaxOffset, 2^29: the sums stay
+// within 2^59.
 class MomentSum {
  public:
   void add(Mass mass, const Position& p) {

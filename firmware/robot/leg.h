@@ -83,7 +83,14 @@ struct LegAngles {
 // Any other leg is solved by damped Newton steps on its true chain (leg_newton.h): kTrackingSteps of them
 // from `last`, the solution of the last cycle, or up to kMaxFirstSteps from bent knees without one, or where
 // the target has jumped.
+//
+// A first solution in parts takes kTrackingSteps in each of kFirstSolutionParts calls for one pose: from bent
+// knees without `last`, then from what the last call returned. No call then costs more than a cycle that has
+// the last cycle's solution.
+enum class FirstSolution : std::uint8_t { kAtOnce, kInParts };
+inline constexpr int kFirstSolutionParts = 6;
 [[nodiscard]] LegAngles leg_inverse_kinematics(const RobotModel& model, const LegGeometry& geometry,
-                                               const Pose& X_BSole, const LegAngles* last = nullptr);
+                                               const Pose& X_BSole, const LegAngles* last = nullptr,
+                                               FirstSolution first = FirstSolution::kAtOnce);
 
 }  // namespace koboshi::robot

@@ -26,6 +26,11 @@ constexpr std::int64_t kMinPivot_raw = std::int64_t{1} << 47;
 // Least bend of the knee: 1 degree costs 5 um of reach at 65 mm of thigh and shank.
 constexpr Angle kMinBend = 1.0_deg;
 constexpr Ratio kCosineOfMinBend = 0.99984769515639_ratio;
+// From this bend on, and for changes of up to this size in rad, the change itself is as good as that of its
+// cosine, and saves a root and two divisions: the two differ by at most kSmallBend^2 / (2 tan kWellBent) =
+// 3.4e-4 rad, which the next step squares.
+constexpr Angle kWellBent = 20.0_deg;
+constexpr Ratio kSmallBend = Ratio::from_raw(1 << 24);
 // The bend from which the first solution begins. By hand, 2026-11-26: between standing and a deep squat.
 constexpr Angle kSeedBend = 40.0_deg;
 // Limit of a joint's change in one step, in rad: half of the change for which a rotation is nearly linear.
@@ -37,6 +42,9 @@ constexpr Ratio kMaxError = 0.5_ratio;
 constexpr Ratio kJump = 0.25_ratio;
 // Error that the next Newton step squares below the tolerances: 1/256 of the scale and of a radian.
 constexpr Ratio kNear = Ratio::from_raw(1 << 22);
+// Error that one Newton step takes to 6 um at 0.25 m: a step from 0.41 mm = 1/610 of the scale leaves 6 times
+// its square. With a predicted `last`, three of four cycles of a walk begin within it.
+constexpr Ratio kWithinOneStep = Ratio::from_raw(1 << 21);
 // A rotation, in rad, and a displacement, in units of the scale: a column of the Jacobian, or the error.
 struct Twist {
   Direction turn;
@@ -64,24 +72,70 @@ Direction column(const Rotation& R, Ratio Direction::*axis) {
   return {R.rows[0].*axis, R.rows[1].*axis, R.rows[2].*axis};
 }
 
-// Returns R times the rotation by `angle` about `axis`. For a rotation about an axis of the base, two columns
-// of R mix and one stays: a third of the products.
-Rotation turned(const Rotation& R, const Direction& axis, Angle angle) {
-  Rotation turned = R;
-  const auto mix = [&](Ratio Direction::*first, Ratio Direction::*second, Ratio along) {
-    auto [s, c] = fixed::sin_cos(angle);
-    if (along < Ratio()) s = -s;
-    for (Direction& row : turned.rows) {
-      const Ratio before = row.*first;
-      row.*first = fixed::product_sum<Ratio>(before, c, row.*second, s);
-      row.*second = fixed::product_sum<Ratio>(row.*second, c, -before, s);
+using Component = Ratio Direction::*;
+constexpr std::array<Component, 3> kComponents{&Direction::x, &Direction::y, &Direction::z};
+
+// Returns which axis of the base an axis lies along; 3 for an oblique one.
+std::size_t base_axis(const Direction& axis) {
+  std::size_t i = 0;
+  while (i < 3 && (axis.*kComponents[(i + 1) % 3] != Ratio() || axis.*kComponents[(i + 2) % 3] != Ratio()))
+    ++i;
+  return i;
+}
+
+// Turns R by the angle with this sine and cosine about axis i of the base: two columns mix and one stays.
+void turn_about_base_axis(Rotation& R, std::size_t i, Ratio s, Ratio c) {
+  const Component first = kComponents[(i + 1) % 3];
+  const Component second = kComponents[(i + 2) % 3];
+  for (Direction& row : R.rows) {
+    const Ratio before = row.*first;
+    row.*first = fixed::product_sum<Ratio>(before, c, row.*second, s);
+    row.*second = fixed::product_sum<Ratio>(row.*second, c, -before, s);
+  }
+}
+
+Direction scaled_by(Ratio factor, const Direction& v) {
+  return {fixed::product<Ratio>(factor, v.x), fixed::product<Ratio>(factor, v.y),
+          fixed::product<Ratio>(factor, v.z)};
+}
+
+// Turns R about an oblique axis a, given R a. By Rodrigues' formula the row v becomes
+//
+//   cos v + sin v x a + (1 - cos) (v . a) a
+//
+// with a third fewer products than the product with a rotation matrix.
+void turn_about_oblique_axis(Rotation& R, const Direction& axis, const Direction& R_axis, Ratio s, Ratio c) {
+  const Direction sa = scaled_by(s, axis);
+  const Direction along = scaled_by(fixed::kOne - c, R_axis);
+  for (std::size_t row = 0; row < 3; ++row) {
+    const Direction v = R.rows[row];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Component first = kComponents[(i + 1) % 3];
+      const Component second = kComponents[(i + 2) % 3];
+      // |v|, |c|, |sa| and |axis| are at most 1, |along| at most 2: the sum stays within 2^62.
+      const std::int64_t sum_raw =
+          std::int64_t{(v.*kComponents[i]).raw()} * c.raw() +
+          std::int64_t{(v.*first).raw()} * (sa.*second).raw() -
+          std::int64_t{(v.*second).raw()} * (sa.*first).raw() +
+          std::int64_t{(along.*kComponents[row]).raw()} * (axis.*kComponents[i]).raw();
+      R.rows[row].*kComponents[i] = Ratio::from_wide_raw(fixed::shift_rounded(sum_raw, Ratio::kFractionBits));
     }
-    return turned;
-  };
-  if (axis == kAxisX || axis == -kAxisX) return mix(&Direction::y, &Direction::z, axis.x);
-  if (axis == kAxisY || axis == -kAxisY) return mix(&Direction::z, &Direction::x, axis.y);
-  if (axis == kAxisZ || axis == -kAxisZ) return mix(&Direction::x, &Direction::y, axis.z);
-  return R * rotation_about(axis, angle);
+  }
+}
+
+// Turns R about an axis, by the right-hand rule. Returns the axis in the frame of R, which the turn keeps.
+Direction turn_about(Rotation& R, const Direction& axis, Angle angle) {
+  const auto [s, c] = fixed::sin_cos(angle);
+  const std::size_t i = base_axis(axis);
+  if (i == 3) {
+    const Direction R_axis = R * axis;
+    turn_about_oblique_axis(R, axis, R_axis, s, c);
+    return R_axis;
+  }
+  const bool opposite = axis.*kComponents[i] < Ratio();
+  turn_about_base_axis(R, i, opposite ? -s : s, c);
+  const Direction R_axis = column(R, kComponents[i]);
+  return opposite ? -R_axis : R_axis;
 }
 
 Angle signed_by(std::int8_t sign, Angle angle) { return sign < 0 ? -angle : angle; }
@@ -93,8 +147,14 @@ class NewtonLeg {
     pull_in();
   }
 
-  LegAngles solve(const LegAngles* last) {
-    if (last == nullptr || !follow(*last)) start();
+  LegAngles solve(const LegAngles* last, FirstSolution first) {
+    const bool in_parts = first == FirstSolution::kInParts;
+    if (last != nullptr)
+      result_.angles = last->angles;
+    else
+      bend_knee();
+    const bool is_followed = (last != nullptr || in_parts) && follow(in_parts);
+    if (!is_followed) start();
     if (!leg_.can_turn()) measure_heading();
     return result_;
   }
@@ -106,15 +166,16 @@ class NewtonLeg {
   }
 
  private:
-  // Takes the steps of a cycle from the last solution; false if the target has jumped. The pose after the
+  // Takes the steps of a cycle from the last solution; false if the target has jumped, unless it may be
+  // `far`. The pose after the
   // last step is not computed: it counts as reached where the pose before it was near and no limit stopped a
   // joint.
-  bool follow(const LegAngles& last) {
-    result_.angles = last.angles;
+  bool follow(bool far) {
     for (int i = 0; i < kTrackingSteps; ++i) {
       look();
-      if (i == 0 && !(is_within(error_.move, kJump) && is_within(error_.turn, kJump))) return false;
+      if (i == 0 && !far && !(is_within(error_.move, kJump) && is_within(error_.turn, kJump))) return false;
       step();
+      if (is_within(error_.move, kWithinOneStep) && is_within(error_.turn, kWithinOneStep)) break;
     }
     result_.reached = !stopped_ && is_within(error_.move, kNear) && is_within(error_.turn, kNear);
     return true;
@@ -167,8 +228,7 @@ class NewtonLeg {
       const Joint& hinge = joint(i);
       X.p = X.p + X.R * hinge.anchor;
       anchors[place] = X.p;
-      columns_[unknown(place)].turn = X.R * hinge.axis;
-      X.R = turned(X.R, hinge.axis, result_.angles[i]);
+      columns_[unknown(place)].turn = turn_about(X.R, hinge.axis, result_.angles[i]);
     }
     const Direction normal = column(X.R, &Direction::z);
     X.p = X.p - Position{fixed::product<Length>(leg_.ankle_height, normal.x),
@@ -272,6 +332,7 @@ class NewtonLeg {
     const Angle bend = signed_by(sign, result_.angles[kKnee]) + bend_at_zero();
     Ratio more_rad = sign < 0 ? -wanted_rad : wanted_rad;
     if (bend <= kMinBend && must_shorten_) more_rad = fixed::abs(more_rad);
+    if (bend >= kWellBent && fixed::abs(more_rad) <= kSmallBend) return wanted_rad;
     const auto [s, c] = fixed::sin_cos(std::max(bend, kMinBend));
     const Ratio cosine = c - fixed::product<Ratio>(s, more_rad);
     const bool too_straight = cosine > kCosineOfMinBend;
@@ -330,8 +391,8 @@ class NewtonLeg {
 }  // namespace
 
 LegAngles newton_leg_inverse_kinematics(const RobotModel& model, const LegGeometry& geometry,
-                                        const Pose& X_BSole, const LegAngles* last) {
-  return NewtonLeg(model, geometry, X_BSole).solve(last);
+                                        const Pose& X_BSole, const LegAngles* last, FirstSolution first) {
+  return NewtonLeg(model, geometry, X_BSole).solve(last, first);
 }
 
 bool is_movable(const RobotModel& model, const LegGeometry& geometry) {

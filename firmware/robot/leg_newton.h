@@ -10,6 +10,7 @@ inline constexpr int kTrackingSteps = 2;
 // Limit of the steps from bent knees: as many as take a joint by steps of kMaxStep to any angle, and the four
 // after them that square a tenth of a radian down to the rounding.
 inline constexpr int kMaxFirstSteps = 12;
+static_assert(kFirstSolutionParts * kTrackingSteps == kMaxFirstSteps);
 
 // Computes the joint angles of any leg by damped Newton steps. Each solves
 //
@@ -26,7 +27,8 @@ inline constexpr int kMaxFirstSteps = 12;
 //
 // The other joints follow from the ankle up, and each is clamped to its limits before the next is computed.
 [[nodiscard]] LegAngles newton_leg_inverse_kinematics(const RobotModel& model, const LegGeometry& geometry,
-                                                      const Pose& X_BSole, const LegAngles* last);
+                                                      const Pose& X_BSole, const LegAngles* last,
+                                                      FirstSolution first);
 
 // Whether the joints can move the sole in all directions from the bent-knee pose: no pivot of the
 // factorisation is near zero.

@@ -170,8 +170,11 @@ enum class [[nodiscard]] ModelStatus : std::uint8_t{
 // Limit for the distance of an anchor, centre of mass or sole edge from its frame: with 1 m, every chain of
 // kMaxJoints stays within the range of Length.
 inline constexpr fixed::Length kMaxOffset = fixed::Length::from_raw(1 << 24);
-// Limit for the mass of a link. The sum of all must stay within Mass, 128 kg.
-inline constexpr fixed::Mass kMaxLinkMass = fixed::Mass::from_raw(5 << 24);
+// Limits for the mass of a link and of the whole robot, base included. The sum of all links is at most 2^30
+// LSB of Mass, which leaves a bit, and so is every partial sum. The sum of mass times coordinate in
+// centre_of_mass() is at most 2^30 times the largest coordinate of a Length, 2^31, and fits 63 bits.
+inline constexpr fixed::Mass kMaxLinkMass = fixed::Mass::from_raw(32 << 24);
+inline constexpr fixed::Mass kMaxRobotMass = fixed::Mass::from_raw(64 << 24);
 
 // Converts a joint angle to the position of its drive's shaft, rounded to nearest. Saturates at the range of
 // the result, which matters for 31 position bits only.

@@ -119,6 +119,13 @@ bool has_sensors(const RobotModel& model) {
          (link.is_trunk() || (link.raw() >= 0 && link.joint() < model.joint_count));
 }
 
+// Sums in 64 bits: the masses of an unchecked image may be any.
+bool in_range_together(const RobotModel& model) {
+  std::int64_t sum_raw = model.base_mass.raw();
+  for (std::size_t i = 0; i < model.joint_count; ++i) sum_raw += model.joints[i].mass.raw();
+  return sum_raw <= kMaxRobotMass.raw();
+}
+
 ModelStatus check_body(const RobotModel& model) {
   if (!has_sensors(model)) return ModelStatus::kBadField;
   const bool ok = in_range(model.base_centre_of_mass) && in_range(model.base_mass) &&
@@ -147,6 +154,7 @@ ModelStatus check_model(RobotModel& model) {
     const ModelStatus status = check_joint(model, model.joints[i]);
     if (status != ModelStatus::kOk) return status;
   }
+  if (!in_range_together(model)) return ModelStatus::kOutOfRange;
   if (const ModelStatus status = check_pairs(model); status != ModelStatus::kOk) return status;
   if (!sort_tree(model)) return ModelStatus::kCyclicTree;
   if (!has_leg(model, hal::Side::kLeft) || !has_leg(model, hal::Side::kRight)) return ModelStatus::kBadLeg;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware/fixed/literals.h"
 #include "firmware/fixed/trigonometry.h"
 #include "firmware/robot/kinematics.h"
 
@@ -15,9 +16,14 @@ using fixed::product_sum;
 using fixed::Ratio;
 using fixed::SineCosine;
 using robot::Position;
+using namespace fixed::literals;
 using enum robot::LegJoint;
 
 namespace {
+
+// Limit of the change of a joint that is predicted for a cycle. By hand, 2026-11-27: 870 deg/s, above the
+// speed of any leg joint of a walk.
+constexpr Angle kMaxPrediction = 8.7_deg;
 
 Position scaled(const Position& p, Ratio factor) {
   return {product<Length>(p.x, factor), product<Length>(p.y, factor), product<Length>(p.z, factor)};
@@ -141,6 +147,28 @@ void Body::set_upper_body(std::span<const Angle> angles) {
   if (!angles.empty()) constant_B_ = constant_B_ + (upper_body_moment(angles) - hanging_moment_);
 }
 
+void Body::begin_in_parts() {
+  is_solved_ = false;
+  const bool in_closed_form = legs_[0].is_standard && legs_[1].is_standard;
+  parts_left_ = in_closed_form ? 0 : robot::kFirstSolutionParts;
+}
+
+// Extrapolates the last three solutions with their second difference: what is left is the third difference of
+// the plan, a third of a millimetre at the most in the swing of a foot, which one Newton step removes.
+robot::LegAngles Body::predict(std::size_t side) {
+  robot::LegAngles guess = solutions_[side];
+  for (std::size_t i = 0; i < guess.angles.size(); ++i) {
+    Angle& before = before_[side].angles[i];
+    Angle& last_change = changes_[side].angles[i];
+    const Angle change = guess.angles[i] - before;
+    const Angle next = change + (change - last_change);
+    before = guess.angles[i];
+    last_change = change;
+    if (is_complete()) guess.angles[i] += std::clamp(next, -kMaxPrediction, kMaxPrediction);
+  }
+  return guess;
+}
+
 void Body::solve(const Stance& stance, const Compliance& compliance, std::span<Angle> targets) {
   const SineCosine yaw = fixed::sin_cos(stance.yaw);
   const SineCosine pitch = fixed::sin_cos(stance.pitch);
@@ -154,15 +182,19 @@ void Body::solve(const Stance& stance, const Compliance& compliance, std::span<A
     const Foothold& sole = stance.soles[side];
     const Position p_SupportSole = at_height(sole.p, stance.heights[side]);
     robot::LegAngles& solution = solutions_[side];
-    solution = robot::leg_inverse_kinematics(model_, geometry,
-                                             {.R = level_in_trunk(sole.yaw - stance.yaw, pitch),
-                                              .p = into_trunk(p_SupportSole - p_SupportB, yaw, pitch)},
-                                             is_solved_ ? &solution : nullptr);
+    const robot::Pose X_BSole{.R = level_in_trunk(sole.yaw - stance.yaw, pitch),
+                              .p = into_trunk(p_SupportSole - p_SupportB, yaw, pitch)};
+    const bool follows = is_solved_ && !geometry.is_standard;
+    const robot::LegAngles guess = follows ? predict(side) : robot::LegAngles();
+    solution = robot::leg_inverse_kinematics(
+        model_, geometry, X_BSole, follows ? &guess : nullptr,
+        is_complete() ? robot::FirstSolution::kAtOnce : robot::FirstSolution::kInParts);
     robot::LegAngles leg = solution;
     compensate(side, stance, compliance, p_SupportB + from_trunk(geometry.p_BH_B, yaw, pitch), leg);
     for (const robot::LegJoint i : geometry.chain()) targets[geometry.joints[i]] = leg.angles[i];
   }
   is_solved_ = true;
+  if (!is_complete()) --parts_left_;
 }
 
 // Adds the sag of the servos to the targets, so that the loaded joints end up at their planned angles. The

@@ -57,10 +57,16 @@ class Body {
   // Writes the targets of the legs' joints. A leg that does not reach its sole's pose comes as near as it can
   // (robot::leg_inverse_kinematics).
   void solve(const Stance& stance, const Compliance& compliance, std::span<fixed::Angle> targets);
-  // Forgets the solution of the last cycle, from which the next one of a leg without closed form begins.
-  void forget() { is_solved_ = false; }
+  // Forgets the solution of the last cycle, from which the next one of a leg without closed form begins. No
+  // cycle has the time for a whole first solution: the next calls of solve(), all with one stance, share it,
+  // and the targets are valid once it is complete. Legs with a closed form are complete after the first call.
+  void begin_in_parts();
+  [[nodiscard]] bool is_complete() const { return parts_left_ == 0; }
 
  private:
+  // Returns the angles from which the Newton steps of a leg begin, and keeps the last solution for the next
+  // prediction.
+  [[nodiscard]] robot::LegAngles predict(std::size_t side);
   void compensate(std::size_t side, const Stance& stance, const Compliance& compliance,
                   const robot::Position& p_SH, robot::LegAngles& leg) const;
 
@@ -71,7 +77,10 @@ class Body {
   bool has_legs_ = false;
   hal::BySide<robot::LegGeometry> legs_{};
   hal::BySide<robot::LegAngles> solutions_{};  // of the last cycle, without compensation
+  hal::BySide<robot::LegAngles> before_{};     // of the cycle before that
+  hal::BySide<robot::LegAngles> changes_{};    // from the one before that to before_
   bool is_solved_ = false;
+  int parts_left_ = 0;                                        // of the first solution
   std::uint32_t upper_joints_ = 0;                            // of waist, arms and head; bit i: joint i
   std::array<robot::Position, robot::kMaxJoints> moments_{};  // m_i c_i + sum_j n_j a_j
   robot::Position hanging_moment_;                            // of the upper body at joint zero

@@ -21,6 +21,12 @@ constexpr std::int32_t kTick_ms = hal::kControlPeriod_us / 1'000;
 
 Length tenths_of_mm(std::int16_t value) { return fixed::mul_div(Length::from_raw(1 << 24), value, 10'000); }
 Ratio permille(std::int16_t value) { return fixed::mul_div(fixed::kOne, value, 1000); }
+// In two parts, because a Ratio ends at 2; an Angle ends at 3.14 rad.
+Angle mrad(std::int16_t value) {
+  constexpr std::int16_t kMaxPart = 1900;
+  const std::int16_t part = std::min(value, kMaxPart);
+  return fixed::from_rad(permille(part)) + fixed::from_rad(permille(static_cast<std::int16_t>(value - part)));
+}
 Angle angle(std::int16_t value) { return Angle::from_raw(std::int32_t{value} << 16); }
 Force hundredths_of_N(std::int16_t value) { return fixed::mul_div(Force::from_raw(1 << 16), value, 100); }
 
@@ -69,8 +75,7 @@ Gait::Gait(const WalkParameters& parameters) {
   zmp_inward = tenths_of_mm(posture.zmp_inward);
   pitch = angle(posture.trunk_pitch);
   pitch_at_1_m_per_s = angle(posture.trunk_pitch_by_speed);
-  compliance = {.pitch = fixed::from_rad(permille(posture.pitch_compliance)),
-                .roll = fixed::from_rad(permille(posture.roll_compliance))};
+  compliance = {.pitch = mrad(posture.pitch_compliance), .roll = mrad(posture.roll_compliance)};
   arm_swing = permille(posture.arm_swing);
   follows_upper_body = posture.fixed_upper_body == 0;
   capture_forward = permille(reaction.capture_forward);

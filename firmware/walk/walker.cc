@@ -100,11 +100,9 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
   stance_ = Stance();
   stance_.soles[Side::kRight].p.y = -gait_.step_width;
   com_ = PendulumState::at_rest(middle());
-  body_.forget();
+  body_.begin_in_parts();
   body_.set_upper_body(gait_.follows_upper_body ? targets : std::span<const Angle>());
-  stand_on_both(middle());
-  ramp_ = targets_;
-  targets_ = standing_targets_;
+  bend_knees();
   enter(Phase::kPreparing);
 }
 
@@ -134,7 +132,18 @@ void Walker::advance(const Velocity& command, const Observation& seen) {
   }
 }
 
+void Walker::bend_knees() {
+  stand_on_both(middle());
+  ramp_ = targets_;
+  targets_ = standing_targets_;
+}
+
 void Walker::run_preparing() {
+  if (!body_.is_complete()) {
+    bend_knees();
+    tick_ = 0;
+    return;
+  }
   const Ratio fraction = fixed::elapsed_fraction(tick_, kRampTicks);
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     targets_[joint] = fixed::interpolate(standing_targets_[joint], ramp_[joint], fraction);

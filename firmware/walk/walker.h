@@ -39,7 +39,9 @@ struct PlannedZmp {
 //
 // clang-format off
 //   phase         lasts                 what happens
-//   Preparing     0.5 s                 a ramp from the standing targets to bent knees, CoM between the feet
+//   Preparing     0.5 s, and 50 ms for  a ramp from the standing targets to bent knees, CoM between the feet
+//                 legs without a closed
+//                 form
 //   WeightShift   at most 0.6 s         double support with the ZMP under the right foot, until the DCM is
 //                                       where the first step begins, in which the left foot supports
 //   Stepping      until a stop at zero  double support, then swing, in turn; it ends when the feet stand
@@ -105,6 +107,8 @@ class Walker {
 
   void enter(Phase phase);
   void run_preparing();
+  // Computes the end of the ramp of kPreparing, or a part of it.
+  void bend_knees();
   void run_weight_shift();
   void run_stepping(const Velocity& command, const Observation& seen);
   void run_closing_step();

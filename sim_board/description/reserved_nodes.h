@@ -8,6 +8,9 @@
 namespace koboshi::sim_board {
 
 inline constexpr std::uint8_t kControllerNode = 1;
+// The controller's telemetry also has the TPDO identifiers of this node (0x182, 0x282, 0x382), because those
+// of its own are too few.
+inline constexpr std::uint8_t kTelemetryNode = 2;
 // Default node ids on a board whose sensors are nodes of the bus.
 inline constexpr std::uint8_t kInertialNode = 36;
 inline constexpr std::uint8_t kLeftAnkleNode = 37;
@@ -23,6 +26,7 @@ struct ReservedNode {
 
 inline constexpr std::array kReservedNodes{
     ReservedNode{kControllerNode, "the controller"},
+    ReservedNode{kTelemetryNode, "the controller's telemetry"},
     ReservedNode{kInertialNode, "the inertial sensor"},
     ReservedNode{kLeftAnkleNode, "the left ankle sensor"},
     ReservedNode{kRightAnkleNode, "the right ankle sensor"},

@@ -184,7 +184,7 @@ void find_node_id_faults(const XmlNode& model, FaultList& faults) {
     if (const std::string_view owner = owner_of_node(node_id); !owner.empty())
       faults.add(RobotFaultKind::kNodeId, drive,
                  "node_id = " + std::to_string(node_id) + ", that of " + std::string(owner),
-                 "another from 2 to 127", "node_id");
+                 "another from 3 to 127", "node_id");
   }
 }
 

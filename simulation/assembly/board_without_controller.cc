@@ -1,8 +1,11 @@
 #include "simulation/assembly/board_without_controller.h"
 
+#include <fmt/format.h>
+
 #include "base/text/error.h"
 #include "simulation/assembly/plant.h"
 #include "simulation/assembly/world.h"
+#include "simulation/model/bus_load.h"
 #include "simulation/scenario/reader.h"
 
 namespace koboshi::simulation {
@@ -17,6 +20,16 @@ const Scenario& without_controller(const Scenario& scenario) {
   if (found != nullptr)
     throw InputError(scenario.file, 0, found, "none of them: a board without controller has no use for them");
   return scenario;
+}
+
+// A board with its sensors on the bus carries more than one with the controller's own.
+const sim_board::RobotDescription& checked(const sim_board::RobotDescription& robot) {
+  const double load = bus_load(robot.joints.size(), true).longest;
+  if (load <= kMaxBusLoad) return robot;
+  throw InputError(robot.file, robot.line,
+                   fmt::format("{} drives, which load the bus together with the sensors by up to {:.1f} %",
+                               robot.joints.size(), 100.0 * load),
+                   fmt::format("at most {:.0f} %", 100.0 * kMaxBusLoad));
 }
 
 }  // namespace
@@ -34,7 +47,7 @@ BoardWithoutController::BoardWithoutController(const Scenario& scenario)
     apply(*world, robot_);
     apply(*world, in_world);
   }
-  sim_board::BoardOptions options = board_options(in_world, robot_);
+  sim_board::BoardOptions options = board_options(in_world, checked(robot_));
   options.sensors_on_bus = true;
   board_ = make_board(in_world, robot_, options, host_);
   board_->electronics().unplug_controller();

@@ -1,5 +1,7 @@
 #include "simulation/model/fields.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +12,7 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "firmware/fixed/host/convert.h"
+#include "simulation/model/bus_load.h"
 #include "simulation/model/foot.h"
 #include "simulation/model/leg_faults.h"
 
@@ -91,6 +94,22 @@ fixed::Mass mass_of(const RobotDescription& robot, std::size_t link) {
         "at most " + number_text(max_kg) + " kg a link, the most that the firmware can represent");
   }
   return from_double<fixed::Mass>(described.mass_kg);
+}
+
+void check_total_mass(const RobotDescription& robot) {
+  const double max_kg = fixed::to_double(robot::kMaxRobotMass);
+  if (robot.total_mass_kg() <= max_kg) return;
+  throw InputError(robot.file, robot.line, number_text(robot.total_mass_kg()) + " kg in all links together",
+                   "at most " + number_text(max_kg) + " kg, the most that the firmware can represent");
+}
+
+void check_bus_load(const RobotDescription& robot) {
+  const double load = bus_load(robot.joints.size(), false).longest;
+  if (load <= kMaxBusLoad) return;
+  throw InputError(
+      robot.file, robot.line,
+      fmt::format("{} drives, which load the bus by up to {:.1f} %", robot.joints.size(), 100.0 * load),
+      fmt::format("at most {:.0f} %", 100.0 * kMaxBusLoad));
 }
 
 robot::Drive drive_fields(const sim_board::DriveDescription& drive) {
@@ -219,6 +238,8 @@ robot::RobotModel model_fields(const RobotDescription& robot, std::vector<InputE
   }
   const BaseFrame frame(robot);
   collect_error(errors, [&] { set_name(robot, model); });
+  collect_error(errors, [&] { check_total_mass(robot); });
+  collect_error(errors, [&] { check_bus_load(robot); });
   const std::size_t errors_before = errors.size();
   model.joint_count = robot.joints.size();
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <string_view>
+#include <utility>
 
+#include "simulation/model/bus_load.h"
 #include "tests/closed_loop/run.h"
 
 // Holds the simulation to docs/design/timing.md.
@@ -98,6 +102,41 @@ TEST_F(Timing, LoadsTheBusToAboutHalf) {
   const std::uint64_t frames = after_.frames - before_.frames;
   EXPECT_NEAR(static_cast<double>(frames), 5'058.0,
               5.0);  // 48 per cycle, 250 heartbeats, four supply voltages requested
+}
+
+// What `koboshi model check` prints for this robot bounds the load that the bus has.
+TEST_F(Timing, LoadsTheBusAsComputedFromTheNumberOfDrives) {
+  const simulation::BusLoad computed = simulation::bus_load(20, false);
+  const double seconds = 1e-6 * static_cast<double>(kLast_us - kFirst_us);
+  EXPECT_NEAR(static_cast<double>(after_.frames - before_.frames) / seconds, computed.frames_per_s, 5.0);
+  const double load = sim_board::bus_load(before_, after_);
+  EXPECT_GT(load, computed.shortest);
+  EXPECT_LT(load, computed.longest);
+  EXPECT_LT(computed.longest, computed.shortest * 1.25);
+}
+
+// Each kind of frame has the size and the rate that the computed load assumes.
+TEST_F(Timing, CarriesTheFramesOfTheComputedLoad) {
+  std::map<std::pair<std::string_view, int>, double> frames_per_s;
+  for (const RobotRun::Frame& frame : run_->frames()) {
+    if (frame.start_us < kFirst_us) continue;
+    const std::uint16_t identifier = frame.frame.identifier;
+    const std::string_view name = identifier == kSync                              ? "SYNC"
+                                  : is_within(frame, kFirstRpdo)                   ? "targets of the drives"
+                                  : is_within(frame, kFirstTpdo)                   ? "answers of the drives"
+                                  : identifier == kTelemetry.back()                ? "telemetry, last PDO"
+                                  : std::ranges::count(kTelemetry, identifier) > 0 ? "telemetry"
+                                  : identifier > 0x700                             ? "heartbeats"
+                                                                                   : "supply readings";
+    frames_per_s[{name, frame.frame.size}] += 1.0;
+  }
+  for (const simulation::BusTraffic& each : simulation::bus_traffic(20, false)) {
+    const auto found = frames_per_s.find({each.name, each.bytes});
+    ASSERT_NE(found, frames_per_s.end()) << each.name;
+    EXPECT_NEAR(found->second, each.frames_per_s, 3.0) << each.name;
+    frames_per_s.erase(found);
+  }
+  EXPECT_TRUE(frames_per_s.empty());
 }
 
 }  // namespace

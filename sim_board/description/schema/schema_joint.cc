@@ -63,11 +63,12 @@ XmlRule drive() {
   return attributes_rule(
       "koboshi:drive", kRequired,
       {.meaning = "CANopen node of the joint's drive", .source = "CiA 301; CiA 402"},
-      {integer_attribute("node_id", true, {.min = 1, .max = 127},
-                         {"1", "",
-                          "node id, unique, not 1 (controller) or 36 to 38 (sensors); the joints' order is "
-                          "that of their node ids",
-                          "CiA 301"}),
+      {integer_attribute(
+           "node_id", true, {.min = 1, .max = 127},
+           {"1", "",
+            "node id, unique, not 1 or 2 (controller) or 36 to 38 (sensors); the joints' order is "
+            "that of their node ids",
+            "CiA 301"}),
        integer_attribute(
            "vendor_id", false, kUnsigned32,
            {"1", "1263485513", "vendor id; the default, 4B4F4249h, belongs to nobody", kCanopen}),

@@ -11,6 +11,7 @@
 
 #include "base/text/text.h"
 #include "base/text/user_units.h"
+#include "simulation/model/bus_load.h"
 #include "tools/robot_file/check/model_check.h"
 
 namespace koboshi::tools {
@@ -106,6 +107,13 @@ std::string model_report_text(const ModelReport& report) {
       text += fmt::format(
           "squat with knees at 90 deg: {} takes {:.2f} N m, {:.0f} % of its servo at the lowest supply\n",
           report.squat->joint, report.squat->torque_Nm, 100.0 * report.squat->share);
+    const simulation::BusLoad own = simulation::bus_load(robot.joints.size(), false);
+    const simulation::BusLoad shared = simulation::bus_load(robot.joints.size(), true);
+    text += fmt::format(
+        "bus load of {}: {:.1f} to {:.1f} %, with the sensors as nodes {:.1f} to {:.1f} %; at most {:.0f} "
+        "%\n",
+        count_text(robot.joints.size(), "drive"), 100.0 * own.shortest, 100.0 * own.longest,
+        100.0 * shared.shortest, 100.0 * shared.longest, 100.0 * simulation::kMaxBusLoad);
     if (report.is_repaired)
       text += "The reader refuses this file. The values above are those after the repairs below.\n";
     text += "\n";
@@ -137,6 +145,8 @@ std::string model_report_json(const ModelReport& report) {
       json["squat"] = {{"joint", report.squat->joint},
                        {"torque_Nm", report.squat->torque_Nm},
                        {"share", report.squat->share}};
+    json["bus_load"] = simulation::bus_load(robot.joints.size(), false).longest;
+    json["bus_load_with_sensors"] = simulation::bus_load(robot.joints.size(), true).longest;
     json["links"] = nlohmann::ordered_json::array();
     for (const auto& [link, depth] : walk(robot)) {
       const sim_board::JointDescription* joint = carrier(robot, link);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "firmware/robot/kinematics.h"
@@ -154,6 +155,33 @@ TEST_F(FeedbackTest, DoesNotWrapATargetAtHalfATurn) {
 TEST_F(FeedbackTest, DoesNothingWithoutLegs) {
   model.joint_count = 0;
   EXPECT_EQ(corrected(kTenthOfASecond, rates(1, 1)), pose);
+}
+
+// Hips at 45 degrees: yaw and roll share both axes, and one joint alone would also turn the trunk about z.
+TEST_F(FeedbackTest, TurnsTheTrunkAboutTheLeanAtObliqueHips) {
+  constexpr double kHalf = 0.70710678118655;
+  const auto axis = [](double x, double z) {
+    return robot::Direction{from_double<fixed::Ratio>(x), {}, from_double<fixed::Ratio>(z)};
+  };
+  for (const std::size_t leg : {0u, 6u}) {
+    model.joints[leg].axis = axis(-kHalf, kHalf);
+    model.joints[leg + 1].axis = axis(kHalf, kHalf);
+  }
+  pose.assign(20, Angle());
+  ASSERT_EQ(robot::check_model(model), robot::ModelStatus::kOk);
+  const JointGains hips{.ankle_pitch = 0, .ankle_roll = 0, .hip_roll = 410, .knee = 0, .hip_pitch = 410};
+  for (const auto& [roll, pitch] : {std::pair{0.1, 0.0}, {0.0, 0.1}, {-0.05, 0.08}}) {
+    const auto targets = corrected({.rate = {}, .lean = hips}, lean(roll, pitch));
+    for (const std::size_t leg : {0u, 6u}) {
+      EXPECT_NEAR(change_rad(targets, leg), -0.1 * roll * kHalf, 1e-5);
+      EXPECT_NEAR(change_rad(targets, leg + 1), 0.1 * roll * kHalf, 1e-5);
+      EXPECT_NEAR(change_rad(targets, leg + 2), 0.1 * pitch, 1e-5);
+    }
+    for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
+      EXPECT_NEAR(std::abs(trunk_turn_rad(targets, side, 0)), std::abs(0.1 * roll), 1e-4);
+      EXPECT_NEAR(std::abs(trunk_turn_rad(targets, side, 1)), std::abs(0.1 * pitch), 1e-4);
+    }
+  }
 }
 
 }  // namespace

@@ -126,6 +126,37 @@ TEST_F(NewtonLegTest, FindsFromBentKneesWhatTheReferenceFinds) {
   RecordProperty("worst_um", std::to_string(errors.worst_m * 1e6));
 }
 
+TEST_F(NewtonLegTest, FindsInPartsWhatItFindsAtOnce) {
+  double worst_m = 0.0;
+  int compared = 0;
+  int missed = 0;
+  for (int round = 0; round < 300; ++round) {
+    const auto which = side();
+    const Leg leg(test::draw_leg_plan(random_), which);
+    if (!leg.loaded) continue;
+    const ReferenceLeg reference(leg.model, which, leg.geometry);
+    const SolePose target = reference.pose(draw_angles(leg));
+    if (!leg.solve(target).reached) continue;
+    ++compared;
+    const LegAngles* last = nullptr;
+    LegAngles solution;
+    for (int part = 0; part < kFirstSolutionParts; ++part) {
+      solution = leg_inverse_kinematics(leg.model, leg.geometry, test::to_fixed(target), last,
+                                        FirstSolution::kInParts);
+      last = &solution;
+      ASSERT_TRUE(leg.within_limits(solution)) << "round " << round;
+    }
+    if (!solution.reached) {
+      ++missed;
+      continue;
+    }
+    worst_m = std::max(worst_m, reference.position_error_m(test::to_double(solution), target));
+  }
+  EXPECT_GT(compared, 280);
+  EXPECT_LT(missed, 2);
+  EXPECT_LT(worst_m, 3e-6);
+}
+
 // A sole that swings forward by 60 mm and up by 20 mm in 0.3 s while it turns by 12 degrees, below a trunk
 // that sways by 15 mm: up to 5 mm and 0.7 degrees in a cycle.
 SolePose moved(const SolePose& from, int cycle) {

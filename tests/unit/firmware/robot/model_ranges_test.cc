@@ -78,8 +78,9 @@ TEST(ModelRanges, OfJoints) {
 }
 
 TEST(ModelRanges, OfTheBody) {
-  EXPECT_EQ(kMaxOffset.raw(), 1 << 24);    // 1 m
-  EXPECT_EQ(kMaxLinkMass.raw(), 5 << 24);  // 5 kg
+  EXPECT_EQ(kMaxOffset.raw(), 1 << 24);      // 1 m
+  EXPECT_EQ(kMaxLinkMass.raw(), 32 << 24);   // 32 kg
+  EXPECT_EQ(kMaxRobotMass.raw(), 64 << 24);  // 64 kg
   expect_offsets([](Model & m) -> auto& { return m.base_centre_of_mass; });
   const auto with_mass = [](std::int32_t raw) {
     return status([raw](Model& m) { m.base_mass = fixed::Mass::from_raw(raw); });
@@ -94,6 +95,20 @@ TEST(ModelRanges, OfTheBody) {
   EXPECT_EQ(with_height(1), kOk);
   EXPECT_EQ(with_height(2 * kMaxOffset.raw()), kOk);
   EXPECT_EQ(with_height(2 * kMaxOffset.raw() + 1), kOutOfRange);
+}
+
+TEST(ModelRanges, OfAllLinksTogether) {
+  const auto with_sum = [](std::int32_t raw) {
+    return status([raw](Model& m) {
+      m.base_mass = kMaxLinkMass;
+      for (std::size_t i = 0; i < m.joint_count; ++i) m.joints[i].mass = {};
+      m.joints[3].mass = fixed::Mass::from_raw(kMaxRobotMass.raw() - kMaxLinkMass.raw() - 1);
+      m.joints[18].mass = fixed::Mass::from_raw(raw);
+    });
+  };
+  EXPECT_EQ(with_sum(1), kOk);
+  EXPECT_EQ(with_sum(2), kOutOfRange);
+  EXPECT_EQ(with_sum(kMaxLinkMass.raw()), kOutOfRange);
 }
 
 TEST(ModelRanges, OfEachFoot) {

@@ -179,7 +179,7 @@ TEST(LoadRobot, RefusesNodeIdsOfTheControllerAndTheSensors) {
     return complaint(
         with("</model>", another_link("tip") + another_joint("elbow", "hand", "tip", node_id) + "</model>"));
   };
-  EXPECT_EQ(refusal(1), "FILE:59: found node_id = 1, that of the controller, expected another from 2 to 127");
+  EXPECT_EQ(refusal(1), "FILE:59: found node_id = 1, that of the controller, expected another from 3 to 127");
   EXPECT_EQ(refusal(36),
             "FILE:59: found node_id = 36, that of the inertial sensor, expected another from 2 to 127");
   EXPECT_EQ(refusal(37),

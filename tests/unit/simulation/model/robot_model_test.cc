@@ -61,7 +61,7 @@ TEST_F(RobotModelImageTest, NamesTheLinkAndTheLineOfAMassThatTheFirmwareCannotHo
   };
   EXPECT_EQ(heavy(0),
             file + ":" + std::to_string(koboshi().links[0].mass_line) +
-                ": found a mass of 360 kg in link trunk, expected at most 5 kg a link, the most that "
+                ": found a mass of 360 kg in link trunk, expected at most 32 kg a link, the most that "
                 "the firmware can represent");
   EXPECT_GT(koboshi().links[0].mass_line, 0);
   EXPECT_GT(koboshi().links[1].mass_line, koboshi().links[0].mass_line);
