@@ -33,20 +33,20 @@ Feedback::Feedback(const robot::RobotModel& model) : joints_(model.joint_count) 
     };
     legs_[side] = {joint(robot::kHipRoll), joint(robot::kHipPitch), joint(robot::kKnee),
                    joint(robot::kAnklePitch), joint(robot::kAnkleRoll)};
-    set_hip(model, geometry, legs_[side]);
+    set_hip(model, side, legs_[side]);
   }
 }
 
 // Cramer's rule for the axes a, b, c of yaw, roll and pitch: the first row of the inverse of (a b c) is
 // (b x c) / det, and so on. Hips whose roll and pitch have their own axes need none of that, and neither do
 // those without yaw, whose two joints are taken for roll and pitch.
-void Feedback::set_hip(const robot::RobotModel& model, const robot::LegGeometry& geometry, Leg& leg) {
+void Feedback::set_hip(const robot::RobotModel& model, hal::Side side, Leg& leg) {
   // Below it the hip cannot turn the leg about all axes. By hand, 2026-11-27: 1 where the axes are
   // orthogonal.
   constexpr fixed::Ratio kMinDeterminant = fixed::Ratio::from_raw(1 << 28);
-  if (!geometry.can_turn()) return;
-  leg.hips = {geometry.joints[robot::kHipYaw], geometry.joints[robot::kHipRoll],
-              geometry.joints[robot::kHipPitch]};
+  const auto yaw = model.find(robot::leg_role(side, robot::kHipYaw));
+  if (!yaw || leg.hip_roll.sign == 0 || leg.hip_pitch.sign == 0) return;
+  leg.hips = {*yaw, leg.hip_roll.index, leg.hip_pitch.index};
   const robot::Direction& a = model.joints[leg.hips[0]].axis;
   const robot::Direction& b = model.joints[leg.hips[1]].axis;
   const robot::Direction& c = model.joints[leg.hips[2]].axis;

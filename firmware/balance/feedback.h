@@ -88,7 +88,7 @@ class Feedback {
     std::array<fixed::Ratio, 3> for_pitch{};
   };
 
-  static void set_hip(const robot::RobotModel& model, const robot::LegGeometry& geometry, Leg& leg);
+  static void set_hip(const robot::RobotModel& model, hal::Side side, Leg& leg);
 
   std::size_t joints_;
   hal::BySide<Leg> legs_{};

@@ -102,7 +102,7 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
   com_ = PendulumState::at_rest(middle());
   body_.begin_in_parts();
   body_.set_upper_body(gait_.follows_upper_body ? targets : std::span<const Angle>());
-  bend_knees();
+  if (body_.is_complete()) bend_knees();
   enter(Phase::kPreparing);
 }
 

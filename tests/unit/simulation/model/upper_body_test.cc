@@ -90,9 +90,11 @@ TEST_F(UpperBody, IsInThePlanOfTheWalk) {
     };
     stance.centre_of_mass = {about(0.0), about(-0.0385), about(0.19)};
     for (const bool follows : {true, false}) {
-      body.forget();
+      body.begin_in_parts();
       body.set_upper_body(follows ? std::span<const fixed::Angle>(angles_) : std::span<const fixed::Angle>());
-      body.solve(stance, {}, angles_);
+      do {
+        body.solve(stance, {}, angles_);
+      } while (!body.is_complete());
       for (std::size_t i = 0; i < model.joint_count; ++i) angles_rad_[i] = to_double(angles_[i]);
       const auto X_BLs = tree.poses(Isometry3d::Identity(), std::span(angles_rad_).first(31));
       const estimation::Posture posture = estimation::posture_at(model, std::span(angles_).first(31));
