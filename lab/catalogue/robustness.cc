@@ -33,8 +33,8 @@ constexpr double kArrivalPatience = 2.0;
 constexpr std::uint64_t kDirections = 16;
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
-// The impulses that a robot is pushed with while another factor is raised: about half of what it survives
-// without any. Measured on the default robot in `mujoco` (27 November 2026).
+// The impulses that a robot is pushed with while another factor is raised: five sixths of what the default
+// robot survives without any, 0.36 and 0.18 N s/kg (docs/experiment/push-recovery.md).
 constexpr double kPushStanding_N_s_per_kg = 0.30;
 constexpr double kPushWalking_N_s_per_kg = 0.15;
 
