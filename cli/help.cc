@@ -28,7 +28,8 @@ const std::map<std::string, std::string>& placeholders() {
       {"--set", "KEY=VALUE"},      {"--start", "FILE"},       {"--stepper", "NAME"},
       {"--steppers", "NAME"},      {"--storage", "FILE"},     {"--time-constant-s", "SECONDS"},
       {"--type", "NAME"},          {"--with", "RUN"},         {"--walk", "SECONDS"},
-      {"--interface", "NAME"},     {"--name", "NAME"},        {"--plant", "KEY=VALUE"}};
+      {"--interface", "NAME"},     {"--name", "NAME"},        {"--plant", "KEY=VALUE"},
+      {"--world", "NAME"},         {"--axes", "NAME"},        {"--factors", "NAME"}};
   return kPlaceholders;
 }
 

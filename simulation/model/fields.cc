@@ -97,8 +97,11 @@ fixed::Mass mass_of(const RobotDescription& robot, std::size_t link) {
 }
 
 void check_total_mass(const RobotDescription& robot) {
+  const double max_link_kg = fixed::to_double(robot::kMaxLinkMass);
   const double max_kg = fixed::to_double(robot::kMaxRobotMass);
-  if (robot.total_mass_kg() <= max_kg) return;
+  const bool has_heavy_link = std::ranges::any_of(
+      robot.links, [&](const sim_board::LinkDescription& link) { return link.mass_kg > max_link_kg; });
+  if (has_heavy_link || robot.total_mass_kg() <= max_kg) return;  // that link has an error of its own
   throw InputError(robot.file, robot.line, number_text(robot.total_mass_kg()) + " kg in all links together",
                    "at most " + number_text(max_kg) + " kg, the most that the firmware can represent");
 }

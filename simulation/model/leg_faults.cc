@@ -136,10 +136,32 @@ class LegFaults {
   std::vector<std::size_t> joints_;                // robot::LegJoint, those that the leg has
 };
 
+// A joint that only one of two legs has is most often a misspelt name or role.
+void find_missing_mirrors(const RobotDescription& robot, const robot::RobotModel& model,
+                          std::vector<InputError>& errors) {
+  const auto has_leg = [&](hal::Side side) {
+    for (std::size_t i = 0; i < kLegJoints; ++i)
+      if (model.find(robot::leg_role(side, i))) return true;
+    return false;
+  };
+  if (!has_leg(hal::Side::kLeft) || !has_leg(hal::Side::kRight)) return;
+  for (std::size_t i = 0; i < kLegJoints; ++i) {
+    const auto left = model.find(robot::leg_role(hal::Side::kLeft, i));
+    const auto right = model.find(robot::leg_role(hal::Side::kRight, i));
+    if (left.has_value() == right.has_value()) continue;
+    const std::string present = (left ? "left_" : "right_") + std::string(kNames[i]);
+    const std::string missing = (left ? "right_" : "left_") + std::string(kNames[i]);
+    errors.emplace_back(robot.file, robot.joints[left ? *left : *right].line,
+                        "no joint " + missing + " beside " + present,
+                        "both or neither; `koboshi model map` proposes roles");
+  }
+}
+
 }  // namespace
 
 void find_leg_faults(const RobotDescription& robot, const robot::RobotModel& model,
                      std::vector<InputError>& errors) {
+  find_missing_mirrors(robot, model, errors);
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight})
     LegFaults(robot, model, side, errors).find();
 }

@@ -103,7 +103,7 @@ TEST(Loop, HasAGainOnlyWithFeedback) {
   LoopOptions options = short_form<LoopOptions>();
   options.states = {"walking"};
   options.axes = {"roll"};
-  options.frequencies_Hz = {3.0};
+  options.frequencies_Hz = {5.6};
   options.shortest_s = 2.0;
   const auto gain = [&] {
     const Experiment experiment = make_loop(options);

@@ -87,7 +87,7 @@ class Manual(unittest.TestCase):
         self.assertEqual(["walk"], self.complete("run", "wal"))
         self.assertEqual(["squat"], self.complete("motion", "check", "squ"))
         self.assertEqual(["koboshi"], self.complete("motion", "check", "--robot", "kob"))
-        self.assertEqual(["controller"], self.complete("dictionary", "eds", "c"))
+        self.assertEqual(["controller", "cells"], self.complete("dictionary", "eds", "c"))
         self.assertEqual([], self.complete("run", "--seed", ""))
 
     def test_completion_has_all_commands_and_options(self):

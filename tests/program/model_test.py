@@ -129,14 +129,15 @@ class ModelEdit(unittest.TestCase):
 
     def test_check_tells_what_the_firmware_cannot_run(self):
         cases = {
-            "a renamed joint": (self.first.replace('"left_knee"', '"left_genou"'), "no joint left_knee, expected a leg of six joints"),
+            "a renamed joint": (self.first.replace('"left_knee"', '"left_genou"'), "no joint left_knee beside right_knee"),
             "a roll axis that yaws": (re.sub(r'(<joint name="(?:left|right)_hip_roll".*?<xyz>)1 0 0<', r"\g<1>0 0 1<", self.first,
                                              flags=re.DOTALL),
                                       "the axis of left_hip_roll, 90 degrees from the base's x"),
             "no inertial unit": (re.sub(r'<sensor name="imu".*?</sensor>', "", self.first, flags=re.DOTALL), "no inertial unit"),
             "no ankle sensor": (re.sub(r'<sensor name="left_ankle".*?</sensor>', "", self.first, flags=re.DOTALL),
-                                "an ankle without a force/torque sensor"),
-            "a heavy link": (self.in_element("link", "trunk", r"<mass>[^<]*<", "<mass>5.2<"), "a mass of 5.2 kg in link trunk"),
+                                "a sensor in one ankle only"),
+            "a heavy link": (self.in_element("link", "trunk", r"<mass>[^<]*<(.*?)<size>[^<]*<", r"<mass>32.2<\1<size>0.3 0.2 0.2<"),
+                             "a mass of 32.2 kg in link trunk"),
         }
         (self.folder / "motions").symlink_to(ROBOT.parent / "motions")
         for name, (text, found) in cases.items():

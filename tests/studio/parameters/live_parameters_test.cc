@@ -123,7 +123,7 @@ TEST(LiveParameters, OfTheGaitWaitForTheNextWalk) {
   run.advance(1500);
   other.advance(1500);
   EXPECT_TRUE(run.live.state(at("step_height_mm")).waits);
-  EXPECT_EQ(run.live.state(at("step_height_mm")).in_force, 28.0);
+  EXPECT_EQ(run.live.state(at("step_height_mm")).in_force, 56.0);
   ASSERT_EQ(run.recording.samples.size(), other.recording.samples.size());
   EXPECT_EQ(run.recording.samples.back().links.back().p_WL_m,
             other.recording.samples.back().links.back().p_WL_m);

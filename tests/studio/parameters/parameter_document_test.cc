@@ -161,7 +161,7 @@ TEST_F(Parameters, RefusesAValueBeyondItsRangeAndChangesNothing) {
   ParameterDocument document(file("parameters.yaml"));
   const std::string before = document.text();
   const std::vector<ParameterValue> values{{at(document, "step_time_ms"), 260.0},
-                                           {at(document, "step_width_mm"), 151.0}};
+                                           {at(document, "step_width_mm"), 601.0}};
   EXPECT_THROW(document.set_all(values, "Adopt"), InputError);
   EXPECT_EQ(document.text(), before);
   EXPECT_FALSE(document.is_modified());

@@ -1,6 +1,7 @@
 #include "tools/robot_file/reference/xsd_types.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 
 #include "base/text/text.h"
 #include "base/xml/xml_text.h"
@@ -45,6 +46,7 @@ std::string choice_type(XmlContent content, const std::vector<std::string>& choi
 std::string choice_name(const std::vector<std::string>& choices) {
   std::string name = "one_of";
   for (const std::string& choice : choices) name += "_" + choice;
+  std::ranges::replace(name, ':', '_');  // which separates a namespace
   return name;
 }
 

@@ -24,7 +24,7 @@ TEST(DictionaryFiles, InTheRepositoryMatchTheTables) {
   const auto robot = kRoot / "robots/koboshi/robot.sdf";
   const auto files = dictionary_files(
       sim_board::load_robot(robot), simulation::controller_values(simulation::read_robot_parameters(robot)));
-  EXPECT_EQ(files.size(), 8u);
+  EXPECT_EQ(files.size(), 10u);
   for (const GeneratedFile& file : files) {
     EXPECT_TRUE(contents(kRoot / "docs/reference" / file.name) == file.text)
         << "docs/reference/" << file.name << " is stale: run koboshi dictionary write";

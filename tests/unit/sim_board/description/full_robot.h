@@ -102,7 +102,7 @@ inline const std::string kFullRobot =
         <xyz expressed_in="base">1 0 0</xyz>
         <limit><lower>-1</lower><upper>2</upper><velocity>7</velocity></limit>
       </axis>
-      <koboshi:servo type="small"/>
+      <koboshi:servo type="small" gear="1.5"/>
       <koboshi:encoder bits="14" offset_rad="0.01" noise_counts="0.2"/>
       <koboshi:drive node_id="17" vendor_id="5" product_code="6" serial_number="7" sign="-1" zero_rad="0.5"/>
       <koboshi:role>left_ankle_roll</koboshi:role>

@@ -180,13 +180,15 @@ TEST(LoadRobot, RefusesNodeIdsOfTheControllerAndTheSensors) {
         with("</model>", another_link("tip") + another_joint("elbow", "hand", "tip", node_id) + "</model>"));
   };
   EXPECT_EQ(refusal(1), "FILE:59: found node_id = 1, that of the controller, expected another from 3 to 127");
+  EXPECT_EQ(refusal(2),
+            "FILE:59: found node_id = 2, that of the controller's telemetry, expected another from 3 to 127");
   EXPECT_EQ(refusal(36),
-            "FILE:59: found node_id = 36, that of the inertial sensor, expected another from 2 to 127");
+            "FILE:59: found node_id = 36, that of the inertial sensor, expected another from 3 to 127");
   EXPECT_EQ(refusal(37),
-            "FILE:59: found node_id = 37, that of the left ankle sensor, expected another from 2 to 127");
+            "FILE:59: found node_id = 37, that of the left ankle sensor, expected another from 3 to 127");
   EXPECT_EQ(refusal(38),
-            "FILE:59: found node_id = 38, that of the right ankle sensor, expected another from 2 to 127");
-  for (const int node_id : {2, 35, 39, 127}) EXPECT_EQ(refusal(node_id), "nothing") << node_id;
+            "FILE:59: found node_id = 38, that of the right ankle sensor, expected another from 3 to 127");
+  for (const int node_id : {3, 35, 39, 127}) EXPECT_EQ(refusal(node_id), "nothing") << node_id;
 }
 
 TEST(LoadRobot, RejectsPosesRelativeToUnknownFrames) {

@@ -45,6 +45,7 @@ TEST(Summary, HasItsKeysInOrder) {
             "  \"stepper\": \"world\",\n"
             "  \"base_height_error_max_m\": 0.0015,\n"
             "  \"foot_slip_max_m\": 0.00025,\n"
+            "  \"lost_abilities\": [],\n"
             "  \"events\": [\n"
             "    {\n"
             "      \"t_s\": 2.0006,\n"
@@ -74,12 +75,12 @@ TEST(Summary, HasWalkKeysOnlyAfterAWalk) {
                  .roll_rms_rad = 0.03,
                  .foot_lift_m = 0.006};
   const std::string text = to_json(walked).dump();
-  EXPECT_TRUE(
-      text.ends_with("\"foot_slip_max_m\":0.00025,\"distance_m\":3.0,\"speed_m_per_s\":0.2,"
-                     "\"lateral_drift_m\":-0.1,\"heading_drift_rad\":0.05,\"energy_J\":40.0,\"zmp_rms_error_"
-                     "m\":0.02,\"zmp_lag_s\":-0.025,"
-                     "\"zmp_margin_p05_m\":null,\"zmp_sensor_vs_truth_rms_m\":0.0008,\"roll_rms_rad\":0.03,"
-                     "\"foot_lift_m\":0.006,\"events\":[]}"))
+  EXPECT_TRUE(text.ends_with(
+      "\"foot_slip_max_m\":0.00025,\"lost_abilities\":[],\"distance_m\":3.0,\"speed_m_per_s\":0.2,"
+      "\"lateral_drift_m\":-0.1,\"heading_drift_rad\":0.05,\"energy_J\":40.0,\"zmp_rms_error_"
+      "m\":0.02,\"zmp_lag_s\":-0.025,"
+      "\"zmp_margin_p05_m\":null,\"zmp_sensor_vs_truth_rms_m\":0.0008,\"roll_rms_rad\":0.03,"
+      "\"foot_lift_m\":0.006,\"events\":[]}"))
       << text;
 }
 

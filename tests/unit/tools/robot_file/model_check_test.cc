@@ -67,8 +67,8 @@ TEST_F(ModelCheckTest, RefusesAFileThatIsMissing) {
 }
 
 TEST_F(ModelCheckTest, FindsAllThatTheFirmwareCannotRepresent) {
-  plant("<link name=\"trunk\">", "<mass>0.36", "<mass>5.5");
-  const int mass_line = line_;
+  plant("<model name=\"koboshi\">", "koboshi", "a_robot_with_a_name_of_thirty_letters");
+  const int name_line = line_;
   plant("<joint name=\"left_ankle_roll\"", "left_ankle_roll", "left_ankle_rol");
   std::vector<int> lines;
   for (const ModelFinding& one : check().findings) {
@@ -76,9 +76,10 @@ TEST_F(ModelCheckTest, FindsAllThatTheFirmwareCannotRepresent) {
     EXPECT_EQ(one.severity, simulation::Severity::kError);
     lines.push_back(one.line);
   }
-  ASSERT_EQ(lines.size(), 2u);  // the mass, and the leg of the model
-  EXPECT_LT(lines[0], mass_line);
-  EXPECT_EQ(lines[1], mass_line);
+  ASSERT_EQ(lines.size(), 3u);  // the name, the ankle without a sole, and its counterpart on the other side
+  EXPECT_EQ(lines[0], name_line);
+  EXPECT_LE(lines[1], line_);
+  EXPECT_GT(lines[2], line_);
 }
 
 TEST_F(ModelCheckTest, FindsErrorsInTheParametersBesideTheRobot) {
