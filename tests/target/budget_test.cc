@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::uint32_t kMean = 60'000;  // mean instructions in the 10 ms of a tick while the robot moves
 constexpr std::uint32_t kWorst = 100'000;
-constexpr std::uint32_t kStack_bytes = 3072;
+constexpr std::uint32_t kStack_bytes = 4096;
 
 // Instructions that the firmware executes per tick: the tick itself and the ten preceding service calls.
 struct Ticks {
