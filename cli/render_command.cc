@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <iterator>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,6 +17,7 @@
 #include "base/file/standard_streams.h"
 #include "base/text/error.h"
 #include "base/text/text.h"
+#include "base/text/user_units.h"
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "tools/run/interrupt.h"
@@ -27,7 +27,6 @@
 namespace koboshi::tools {
 namespace {
 
-constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 constexpr int kMinSize_px = 64;
 constexpr int kMaxSize_px = 8192;
 

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "bus/dictionary/configured_drive.h"
+#include "bus/dictionary/node_kinds.h"
 #include "firmware/app/dictionary.h"
 #include "firmware/drive/configuration.h"
 #include "sim_board/drive/drive_dictionary.h"
@@ -89,25 +90,10 @@ void add_drive(std::string& text, const robot::Joint& joint, const sim_board::Jo
   }
 }
 
-std::string_view eds_of(sim_board::SensorKind kind) {
-  switch (kind) {
-    case sim_board::SensorKind::kInertial:
-      return "inertial.eds";
-    case sim_board::SensorKind::kForceTorque:
-      return "ankle.eds";
-    case sim_board::SensorKind::kPressureCells:
-      return "cells.eds";
-    case sim_board::SensorKind::kContactSwitch:
-      return "switch.eds";
-  }
-  return {};
-}
-
 // A sensor runs with its defaults; the controller does not monitor its heartbeat.
-void add_sensor(std::string& text, std::string_view name, sim_board::SensorKind kind, std::uint8_t node_id) {
-  const canopen::NodeDescription node = sim_board::sensor_node_description(kind);
-  add_identity(text, name, eds_of(kind), node_id, node.revision_number, node_id);
-  fmt::format_to(Text(text), "  heartbeat_producer: {}  # ms\n", node.heartbeat_ms);
+void add_sensor(std::string& text, std::string_view name, const NodeKind& kind, std::uint8_t node_id) {
+  add_identity(text, name, kind.name + ".eds", node_id, kind.description.revision_number, node_id);
+  fmt::format_to(Text(text), "  heartbeat_producer: {}  # ms\n", kind.description.heartbeat_ms);
 }
 
 }  // namespace
@@ -118,11 +104,11 @@ std::string bus_text(const sim_board::RobotDescription& robot) {
   add_master(text);
   for (std::size_t i = 0; i < robot.joints.size(); ++i)
     add_drive(text, model.model.joints[i], robot.joints[i]);
-  using enum sim_board::SensorKind;
-  if (robot.imu) add_sensor(text, robot.imu->name, kInertial, sim_board::kInertialNode);
-  const sim_board::SensorKind ankle = sim_board::sensor_kind(robot.ankle_kind());
-  if (robot.left_ankle) add_sensor(text, robot.left_ankle->name, ankle, sim_board::kLeftAnkleNode);
-  if (robot.right_ankle) add_sensor(text, robot.right_ankle->name, ankle, sim_board::kRightAnkleNode);
+  if (robot.imu) add_sensor(text, robot.imu->name, inertial_kind(), sim_board::kInertialNode);
+  if (robot.left_ankle)
+    add_sensor(text, robot.left_ankle->name, ankle_kind(robot.ankle_kind()), sim_board::kLeftAnkleNode);
+  if (robot.right_ankle)
+    add_sensor(text, robot.right_ankle->name, ankle_kind(robot.ankle_kind()), sim_board::kRightAnkleNode);
   return text;
 }
 

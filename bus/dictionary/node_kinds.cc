@@ -25,6 +25,24 @@ NodeKind make_kind(std::string name, const canopen::NodeDescription& description
                         instance);
 }
 
+NodeKind kind_of(sim_board::SensorKind sensor) {
+  const auto make = [sensor](const char* name, std::span<const canopen::DescribedObject> table) {
+    return make_kind<sim_board::SensorValues>(name, sim_board::sensor_node_description(sensor),
+                                              kSensorCapacity, table);
+  };
+  switch (sensor) {
+    case sim_board::SensorKind::kInertial:
+      return make("inertial", sim_board::kInertialObjects);
+    case sim_board::SensorKind::kForceTorque:
+      return make("ankle", sim_board::kAnkleObjects);
+    case sim_board::SensorKind::kPressureCells:
+      return make("cells", sim_board::kPressureCellObjects);
+    case sim_board::SensorKind::kContactSwitch:
+      return make("switch", sim_board::kContactSwitchObjects);
+  }
+  return {};
+}
+
 InstanceDefaults drive_connections(const robot::RobotModel& robot) {
   InstanceDefaults made;
   for (std::size_t joint = 0; joint < robot.joint_count; ++joint) {
@@ -48,46 +66,17 @@ NodeKind drive_kind() {
                                            sim_board::kDriveObjects);
 }
 
-NodeKind inertial_kind() {
-  return make_kind<sim_board::SensorValues>(
-      "inertial", sim_board::sensor_node_description(sim_board::SensorKind::kInertial), kSensorCapacity,
-      sim_board::kInertialObjects);
-}
+NodeKind inertial_kind() { return kind_of(sim_board::SensorKind::kInertial); }
 
-NodeKind ankle_kind() {
-  return make_kind<sim_board::SensorValues>(
-      "ankle", sim_board::sensor_node_description(sim_board::SensorKind::kForceTorque), kSensorCapacity,
-      sim_board::kAnkleObjects);
-}
-
-NodeKind pressure_cells_kind() {
-  return make_kind<sim_board::SensorValues>(
-      "cells", sim_board::sensor_node_description(sim_board::SensorKind::kPressureCells), kSensorCapacity,
-      sim_board::kPressureCellObjects);
-}
-
-NodeKind contact_switch_kind() {
-  return make_kind<sim_board::SensorValues>(
-      "switch", sim_board::sensor_node_description(sim_board::SensorKind::kContactSwitch), kSensorCapacity,
-      sim_board::kContactSwitchObjects);
-}
-
-NodeKind ankle_kind(hal::AnkleKind kind) {
-  switch (kind) {
-    case hal::AnkleKind::kPressureCells:
-      return pressure_cells_kind();
-    case hal::AnkleKind::kContactSwitch:
-      return contact_switch_kind();
-    case hal::AnkleKind::kSixAxis:
-    case hal::AnkleKind::kNone:
-      break;
-  }
-  return ankle_kind();
-}
+NodeKind ankle_kind(hal::AnkleKind kind) { return kind_of(sim_board::sensor_kind(kind)); }
 
 std::vector<NodeKind> documented_kinds(const robot::RobotModel& robot, const app::ControllerValues& values) {
-  return {controller_kind(robot, values), drive_kind(),         inertial_kind(), ankle_kind(),
-          pressure_cells_kind(),          contact_switch_kind()};
+  return {controller_kind(robot, values),
+          drive_kind(),
+          inertial_kind(),
+          ankle_kind(),
+          ankle_kind(hal::AnkleKind::kPressureCells),
+          ankle_kind(hal::AnkleKind::kContactSwitch)};
 }
 
 }  // namespace koboshi::tools

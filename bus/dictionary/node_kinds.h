@@ -15,10 +15,7 @@ namespace koboshi::tools {
 NodeKind controller_kind(const robot::RobotModel& robot = {}, const app::ControllerValues& values = {});
 NodeKind drive_kind();
 NodeKind inertial_kind();
-NodeKind ankle_kind();  // of six axes
-NodeKind pressure_cells_kind();
-NodeKind contact_switch_kind();
-NodeKind ankle_kind(hal::AnkleKind kind);
+NodeKind ankle_kind(hal::AnkleKind kind = hal::AnkleKind::kSixAxis);  // not for AnkleKind::kNone
 
 // All of them: "controller", "drive", "inertial", "ankle", "cells", "switch".
 std::vector<NodeKind> documented_kinds(const robot::RobotModel& robot,

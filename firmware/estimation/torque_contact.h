@@ -9,7 +9,7 @@
 
 namespace koboshi::estimation {
 
-// What is known of the legs beside their angles.
+// Evidence about the legs other than their angles.
 struct LegEvidence {
   std::span<const std::int16_t> torques_permille{};  // of all joints, in any sign, or none
   bool walks = false;

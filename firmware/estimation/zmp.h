@@ -63,7 +63,7 @@ class FootSensor {
   FootPressure pressure(std::span<const std::int16_t, 6> counts) const;
 
  private:
-  // Of pressure cells, about the sole's origin.
+  // Returns the wrench of pressure cells about the sole's origin.
   [[gnu::cold]] Counts cell_wrench(const std::array<std::int16_t, hal::kPressureCells>& cells) const;
 
   const robot::RobotModel& model_;

@@ -6,7 +6,7 @@
 
 namespace koboshi::robot {
 
-// What a robot of this project can do unless its body or sensors lack something; the value is the bit of
+// An ability that a robot lacks if its body or its sensors do not support it. The value is the bit of
 // object 0x2201.
 enum class Ability : std::uint8_t {
   kZmp = 0,             // measures the ZMP

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 
 #include "firmware/robot/leg.h"
 
@@ -99,13 +98,6 @@ bool in_range(const Foot& foot) {
                              [](const Cell& cell) { return in_range(cell.x) && in_range(cell.y); });
 }
 
-// The sum of all links stays within Mass.
-bool total_in_range(const RobotModel& model) {
-  std::int64_t total_raw = model.base_mass.raw();
-  for (std::size_t i = 0; i < model.joint_count; ++i) total_raw += model.joints[i].mass.raw();
-  return total_raw <= std::numeric_limits<std::int32_t>::max();
-}
-
 bool has_scales(const RobotModel& model) {
   const SensorScales& scales = model.scales;
   const bool measured = scales.ankle_force > fixed::Force() && scales.ankle_torque > fixed::Torque();
@@ -133,7 +125,6 @@ ModelStatus check_body(const RobotModel& model) {
                   model.body_height <= kMaxOffset * 2 && has_scales(model) && in_range(model.feet[0]) &&
                   in_range(model.feet[1]);
   if (!ok) return ModelStatus::kOutOfRange;
-  if (!total_in_range(model)) return ModelStatus::kOutOfRange;
   return is_rotation(model.R_BI) ? ModelStatus::kOk : ModelStatus::kNotARotation;
 }
 

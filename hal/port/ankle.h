@@ -17,8 +17,8 @@ enum class AnkleKind : std::uint8_t {
 };
 inline constexpr std::size_t kPressureCells = 4;  // of a foot
 
-// One sample of the sensor of a foot, in counts; 2^15 counts are the full scale in the robot's model. By the
-// kind of the sensor:
+// A sample of a foot's sensor, in counts; 2^15 counts are the full scale in the robot's model. The content
+// depends on the kind of sensor:
 //   six axes         the wrench that the ground side exerts on the shank side, at the sensor's origin, in the
 //                    sensor's own frame
 //   pressure cells   the cells 0 to 2 in force_raw, the cell 3 in torque_raw[0], the rest zero

@@ -1,7 +1,6 @@
 #include "lab/catalogue/gyro_feedback.h"
 
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "base/text/text.h"
@@ -16,7 +15,6 @@
 namespace koboshi::tools {
 namespace {
 
-constexpr double kDegree_rad = std::numbers::pi / 180.0;
 // The first push comes when the walk has left its starting steps behind.
 constexpr double kFirstPush_s = 2.0;
 
@@ -102,7 +100,7 @@ FieldTable<ScenarioTrial> walk_fields(double falls_within) {
                     {{"lateral_drift_m", "drift [m]", 2}, kWalk, &Walk::lateral_drift_m},
                     {{"zmp_rms_error_m", "ZMP error RMS [mm]", 1, kMmPerM}, kWalk, &Walk::zmp_rms_error_m},
                     {{"zmp_lag_s", "ZMP lag [ms]", 0, 1e3}, kWalk, &Walk::zmp_lag_s},
-                    {{"roll_rms_rad", "roll RMS [deg]", 2, 1.0 / kDegree_rad}, kWalk, &Walk::roll_rms_rad},
+                    {{"roll_rms_rad", "roll RMS [deg]", 2, 1.0 / kRadPerDegree}, kWalk, &Walk::roll_rms_rad},
                     {{"zmp_margin_p05_m", "ZMP margin p05 [mm]", 1, kMmPerM}, kWalk, &Walk::zmp_margin_p05_m},
                     {{"heading_drift_rad"}, kWalk, &Walk::heading_drift_rad},
                     {{"foot_lift_m", "foot lift [mm]", 1, kMmPerM}, kWalk, &Walk::foot_lift_m},

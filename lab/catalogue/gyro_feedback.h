@@ -19,7 +19,7 @@ struct GyroFeedbackOptions : ExperimentSetup {
   std::vector<bool> feedback{false, true};
   // With a file for each cell, 8-on.yaml and so on, which were tuned for it. Empty: the scenario's gait.
   std::filesystem::path gaits{};
-  // By pushes against the trunk and soft ground.
+  // The walk is disturbed by pushes against the trunk and by soft ground.
   bool disturbed = false;
   double push_N_s = 0.1;        // the strongest push of the disturbed form
   double falls_within = 0.015;  // a cell stops when the share of falls is known to +- this

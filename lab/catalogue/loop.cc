@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/text/text.h"
+#include "base/text/user_units.h"
 #include "lab/trial/pushes.h"
 #include "lab/trial/scenario_trial.h"
 
@@ -17,7 +18,6 @@ namespace {
 constexpr double kBegin_s = 2.5;  // from the command to the sine: the walk has left its starting steps behind
 constexpr double kSettle_s = 1.0;  // of the sine, before it is measured
 constexpr double kPeriods = 8.0;   // of the measurement, at least
-constexpr double kRadPerDegree = kTurn_rad / 360.0;
 
 struct LoopCase {
   std::string state;
@@ -45,7 +45,7 @@ struct Response {
   std::complex<double> rate{};  // of the trunk
 };
 
-// One run with this sine at the gyro. The phase is that of the run's time.
+// Plays one run with this sine at the gyro. The sine is a cosine of the simulated time.
 Response respond(const LoopCase& played, const StandingStart& start, const LoopOptions& options,
                  double amplitude_rad_per_s, std::uint64_t seed) {
   const double begin_s = 1e-6 * static_cast<double>(start.ready_us) + kBegin_s;

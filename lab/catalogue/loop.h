@@ -15,7 +15,7 @@ namespace koboshi::tools {
 // Gain and phase of the balance feedback over frequency, with the loop broken at the gyro: a sine is added to
 // the rate that the gyro senses, and compared with the rate at which the trunk answers
 // (lab/trial/loop_gain.h). The loop contains sensor, filters, estimation, feedback, bus, drives and body.
-// What the accelerometer tells the estimate of the lean stays closed.
+// The path of the accelerometer to the estimated lean stays closed.
 //
 // Each trial is two runs with opposite sines, whose half difference is what the sine has caused: the gait
 // alone is the same in both. The trunk's response is not linear (dead bands, backlash, steps), so that the

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
-#include <numbers>
 #include <optional>
 #include <utility>
 
 #include "base/text/text.h"
+#include "base/text/user_units.h"
 #include "lab/catalogue/stand_up.h"
 #include "lab/experiment/ladder.h"
 #include "lab/trial/pushes.h"
@@ -31,7 +31,6 @@ constexpr double kStrideBefore_s = 2.5;  // and walking, at least
 constexpr double kFallTime_s = 3.0;      // a robot that is going to fall lies after one second
 constexpr double kArrivalPatience = 2.0;
 constexpr std::uint64_t kDirections = 16;
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
 // The impulses that a robot is pushed with while another factor is raised: five sixths of what the default
 // robot survives without any, 0.36 and 0.18 N s/kg (docs/experiment/push-recovery.md).
@@ -69,7 +68,6 @@ struct Factor {
 };
 
 simulation::Range one_value(double value) { return {value, value}; }
-simulation::Range around_one(double share) { return {1.0 - share, 1.0 + share}; }
 
 constexpr const char* kImpulse = "impulse";
 constexpr const char* kNone = "none";
@@ -88,7 +86,7 @@ const std::vector<Factor>& known_factors() {
       {"masses",
        "%",
        {10, 15, 25, 40},
-       [](WorldRanges& world, double level) { world.mass_factor = around_one(0.01 * level); }},
+       [](WorldRanges& world, double level) { world.mass_factor = simulation::around_one(0.01 * level); }},
       {"servo-gain",
        "divided by",
        {1.5, 2, 2.5, 3, 4},
@@ -138,7 +136,7 @@ const std::vector<Factor>& known_factors() {
       {"slope",
        "deg",
        {1, 2, 2.5, 3, 4, 5, 7, 10},
-       [](WorldRanges& world, double level) { world.tilt_rad = one_value(kRadiansPerDegree * level); }},
+       [](WorldRanges& world, double level) { world.tilt_rad = one_value(kRadPerDegree * level); }},
       {"supply-low",
        "% less",
        {5, 10, 15, 20, 25},
@@ -150,7 +148,7 @@ const std::vector<Factor>& known_factors() {
       {"gyro-noise",
        "deg/s/sqrt(Hz)",
        {0.0075, 0.01, 0.03, 0.1},
-       [](WorldRanges& world, double level) { world.gyro_noise_density = kRadiansPerDegree * level; }},
+       [](WorldRanges& world, double level) { world.gyro_noise_density = kRadPerDegree * level; }},
       {"gyro-walk",
        "1e-5 rad/s/sqrt(s)",
        {2, 10, 50, 200},
@@ -181,7 +179,7 @@ struct RobustnessCase {
   double level = 0.0;
 };
 
-// What all trials share.
+// The inputs that all trials have in common.
 struct Course {
   StandingStart start;
   sim_board::RobotDescription robot;

@@ -10,10 +10,10 @@
 
 namespace koboshi::tools {
 
-// What each disturbance alone costs: in each activity, one factor of the worlds (docs/reference/worlds.md) is
-// raised level by level, past the end of `harsh`, until more than a share of the trials are lost. All other
-// factors are as in the files. A factor with two ends, such as the CoM's place, is at one of them in each
-// part and axis; the slope has a random direction.
+// Measures the cost of each disturbance alone: in each activity, one factor of the worlds
+// (docs/reference/worlds.md) is raised level by level, past the end of `harsh`, until more than a share of
+// the trials are lost. All other factors are as in the files. A factor with two ends, such as the CoM's
+// place, is at one of them in each part and axis; the slope has a random direction.
 //
 // Pushes are half sines of 0.1 s at the trunk's centre of mass, in 16 directions in turn, at a random phase
 // of the walk. Their impulse is a factor itself; with all other factors it is that of kPush*_N_s_per_kg.

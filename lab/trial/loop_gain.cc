@@ -5,10 +5,10 @@
 #include <limits>
 #include <numbers>
 
+#include "base/text/user_units.h"
+
 namespace koboshi::tools {
 namespace {
-
-constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
 
 // Where a quantity passes a level between two points, as a part of the way from the first.
 double part_at(double first, double second, double level) { return (level - first) / (second - first); }

@@ -25,14 +25,14 @@ class AnkleSensor {
 
   // Call it once before the first physics step and after each step. `time_us` is the world's time.
   void step(const World& world, std::uint64_t time_us);
-  // Of six axes only. `foot` is the state of the foot link after the step, `joint_W` the result of
+  // Only for six axes. `foot` is the state of the foot link after the step, `joint_W` the result of
   // World::joint_wrench().
   void step(const BodyState& foot, const Wrench& joint_W, std::uint64_t time_us);
   // Takes the oldest sample that has arrived by `now_us`. Returns false and leaves `sample` unchanged if
   // there is none.
   [[nodiscard]] bool poll(std::uint64_t now_us, hal::AnkleSample& sample);
   hal::AnkleKind kind() const { return description_.kind; }
-  // True wrench of the last step: without errors, filter and delay. Of six axes only.
+  // True wrench of the last step: without errors, filter and delay. Only for six axes.
   const Wrench& wrench_S() const { return wrench_S_; }
   // A stopped sensor delivers no samples.
   void set_running(bool running) { channels_.set_running(running); }

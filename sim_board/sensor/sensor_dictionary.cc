@@ -56,7 +56,7 @@ constexpr canopen::PdoConfiguration kContactSwitchTpdos[] = {
      .mapping = {mapping(0x6000, 1, 8), mapping(0x2001, 0, 16)}},
 };
 
-// What differs between the kinds.
+// The differences between the kinds of sensor nodes.
 struct Kind {
   std::uint32_t device_type;
   std::uint32_t product_code;

@@ -73,7 +73,7 @@ class Simulation {
   Scenario played() const;
 
   const Scenario& scenario() const { return scenario_; }
-  // What the seed has drawn; null if the scenario has no world.
+  // Returns the drawn factors; null if the scenario has no world.
   const DisturbedWorld* world() const { return world_ ? &*world_ : nullptr; }
   // The robot in the world, after the change and with what the seed has drawn.
   const sim_board::RobotDescription& robot() const { return *robot_; }

@@ -34,7 +34,7 @@ struct DisturbedWorld {
   std::optional<double> gyro_random_walk;    // rad/s/sqrt(s)
   std::optional<std::size_t> weak_joint;
 
-  // Of the ground, about the world's x axis and then about y. The whole tilt is not more than tilt_rad.
+  // Angles of the ground about the world's x axis and then about y. The whole tilt is not more than tilt_rad.
   double roll_rad() const;
   double pitch_rad() const;
   std::uint64_t tick_jitter_us() const;

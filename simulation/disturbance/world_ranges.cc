@@ -4,12 +4,10 @@
 #include <array>
 #include <stdexcept>
 
+#include "base/text/user_units.h"
+
 namespace koboshi::simulation {
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180.0;
-
-constexpr Range around_one(double share) { return {1.0 - share, 1.0 + share}; }
 
 // A joint that is trimmed by eye against the edge of a link of 65 mm is off by some tenths of a millimetre
 // there: in every world.
@@ -24,7 +22,7 @@ WorldRanges mild() {
           .encoder_offset_rad = kEncoderOffset_rad,
           .supply_factor = around_one(0.1),
           .friction = {0.4, 1.0},
-          .tilt_rad = {0.0, 2.0 * kDegree_rad}};
+          .tilt_rad = {0.0, 2.0 * kRadPerDegree}};
 }
 
 // A robot whose model has errors of the size that an identification leaves.
@@ -42,8 +40,8 @@ WorldRanges rough() {
           .drive_latency_s = {0.0, 0.005},
           .tick_jitter_s = {0.0, 0.001},
           .friction = {0.3, 1.2},
-          .tilt_rad = {0.0, 2.5 * kDegree_rad},
-          .gyro_noise_density = 0.0075 * kDegree_rad,
+          .tilt_rad = {0.0, 2.5 * kRadPerDegree},
+          .gyro_noise_density = 0.0075 * kRadPerDegree,
           .gyro_random_walk = 2e-5};
 }
 
@@ -62,8 +60,8 @@ WorldRanges harsh() {
           .drive_latency_s = {0.0, 0.01},
           .tick_jitter_s = {0.0, 0.002},
           .friction = {0.2, 1.5},
-          .tilt_rad = {0.0, 5.0 * kDegree_rad},
-          .gyro_noise_density = 0.01 * kDegree_rad,
+          .tilt_rad = {0.0, 5.0 * kRadPerDegree},
+          .gyro_noise_density = 0.01 * kRadPerDegree,
           .gyro_random_walk = 1e-4,
           .weak_joint = true};
 }

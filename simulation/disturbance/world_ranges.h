@@ -1,6 +1,5 @@
 #pragma once
 
-#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +14,7 @@ struct Range {
   friend bool operator==(const Range&, const Range&) = default;
 };
 [[nodiscard]] constexpr Range symmetric(double bound) { return {-bound, bound}; }
+[[nodiscard]] constexpr Range around_one(double share) { return {1.0 - share, 1.0 + share}; }
 
 // The distance from hip pitch over knee to ankle pitch of the default robot. The lengths of a world apply to
 // such a leg and scale with that of the robot.

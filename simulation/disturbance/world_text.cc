@@ -4,14 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <utility>
+
+#include "base/text/user_units.h"
 
 namespace koboshi::simulation {
 namespace {
 
-constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
 constexpr double kMilli = 1e3;
 constexpr double kPercent = 100.0;
 
@@ -27,7 +27,7 @@ std::string range_text(const Range& range, double factor = 1.0, const std::strin
   return short_number(low) + " to " + short_number(high) + unit;
 }
 
-// Of a factor around one, as its deviation.
+// Returns a factor around one as its deviation.
 std::string share_text(const Range& factor) {
   return range_text({factor.low - 1.0, factor.high - 1.0}, kPercent, " %");
 }
@@ -40,7 +40,7 @@ std::string or_file(const Range& range, double factor = 1.0) {
   return range == Range{} ? "as in the file" : range_text(range, factor);
 }
 
-// Of all parts, in the robot's order.
+// Lists the values of all parts in the robot's order.
 template <typename Values, typename Number>
 std::string list_text(const Values& values, const Number& number) {
   std::string text;

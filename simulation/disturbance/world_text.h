@@ -20,8 +20,8 @@ struct FactorText {
 // A row for each factor, a column for each world: the table of docs/reference/worlds.md.
 [[nodiscard]] std::string world_table(TableStyle style);
 
-// What a seed has drawn. Values of links and joints are in the robot's order. Factors that the world leaves
-// as they are in the files are missing.
+// Returns the factors that a seed has drawn. Values of links and joints are in the robot's order. Factors
+// that the world leaves as they are in the files are missing.
 [[nodiscard]] std::vector<FactorText> drawn_texts(const DisturbedWorld& world,
                                                   const sim_board::RobotDescription& robot);
 

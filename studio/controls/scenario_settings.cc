@@ -6,10 +6,10 @@
 #include <QLabel>
 #include <QPushButton>
 #include <QSpinBox>
-#include <numbers>
 #include <string>
 #include <utility>
 
+#include "base/text/user_units.h"
 #include "sim_board/world/options.h"
 #include "studio/controls/terrain.h"
 #include "studio/widgets/spin_box.h"
@@ -17,7 +17,6 @@
 namespace koboshi::studio {
 namespace {
 
-constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
 constexpr double kSteepest_deg = 20.0;
 
 std::string tilt_text(const QDoubleSpinBox& roll, const QDoubleSpinBox& pitch) {

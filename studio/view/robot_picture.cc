@@ -2,9 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numbers>
 #include <utility>
 
+#include "base/text/user_units.h"
 #include "studio/view/camera_control.h"
 #include "view/render/playback.h"
 
@@ -13,7 +13,6 @@ namespace {
 
 // Share of the distance between two links by which they are shown apart.
 constexpr double kExplosion = 0.8;
-constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 
 void append(view::Marks& marks, const view::Marks& more) {
   marks.flat.insert(marks.flat.end(), more.flat.begin(), more.flat.end());

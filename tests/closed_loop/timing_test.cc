@@ -104,7 +104,7 @@ TEST_F(Timing, LoadsTheBusToAboutHalf) {
               5.0);  // 48 per cycle, 250 heartbeats, four supply voltages requested
 }
 
-// What `koboshi model check` prints for this robot bounds the load that the bus has.
+// The load that `koboshi model check` prints for this robot bounds that of the simulated bus.
 TEST_F(Timing, LoadsTheBusAsComputedFromTheNumberOfDrives) {
   const simulation::BusLoad computed = simulation::bus_load(20, false);
   const double seconds = 1e-6 * static_cast<double>(kLast_us - kFirst_us);

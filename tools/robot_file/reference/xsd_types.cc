@@ -1,6 +1,7 @@
 #include "tools/robot_file/reference/xsd_types.h"
 
 #include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/text/text.h"

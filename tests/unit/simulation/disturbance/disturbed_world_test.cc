@@ -1,4 +1,4 @@
-// The worlds as the issue of their ranges states them: bounds, independence, scaling, repeatability.
+// The worlds against the ranges of docs/reference/worlds.md: bounds, independence, scaling, repeatability.
 
 #include "simulation/disturbance/disturbed_world.h"
 
@@ -50,7 +50,7 @@ sim_board::RobotDescription small_robot(double size = 1.0) {
   return robot;
 }
 
-// What a factor does to the robot or the ground, as a number that the table of the issue gives. It is read
+// The effect of a factor on the robot or the ground, as a number of docs/reference/worlds.md. It is read
 // from the changed descriptions, not from the draw.
 struct Applied {
   sim_board::RobotDescription robot;
@@ -108,7 +108,7 @@ Samples samples(const std::string& world, std::uint64_t seeds) {
   return samples;
 }
 
-// The table of the issue, written down a second time.
+// The table of docs/reference/worlds.md, written down a second time.
 using Table = std::map<std::string, Range>;
 Table table_of(const std::string& world) {
   if (world == "mild") {
