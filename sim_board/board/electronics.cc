@@ -56,11 +56,15 @@ Electronics::Electronics(const RobotDescription& robot, const BoardOptions& opti
   sample(0);
 }
 
-void Electronics::serve() {
+void Electronics::gather() {
   advance_bus();
   update_drives();
   collect_samples();
   update_sensor_nodes();
+  if (!controller_stopped_) complete_input();
+}
+
+void Electronics::respond() {
   if (!controller_stopped_) serve_controller();
   watch_dog();
 }
@@ -135,7 +139,7 @@ void Electronics::update_sensor_nodes() {
   }
 }
 
-void Electronics::serve_controller() {
+void Electronics::complete_input() {
   input_.now_us = now_us_;
   input_.tick = tick_clock_.due(now_us_);
   const std::uint16_t receive_overruns = input_.can_status.receive_overruns;
@@ -145,6 +149,9 @@ void Electronics::serve_controller() {
     input_.transmit_space[fifo] = static_cast<std::uint16_t>(bus_.transmit_space(controller_, fifo));
     input_.transmit_pending[fifo] = bus_.transmit_pending(controller_, fifo);
   }
+}
+
+void Electronics::serve_controller() {
   {
     const Stopwatch watch(shares_.firmware_s, now_us_);
     host_.exchange(input_, output_);

@@ -53,10 +53,17 @@ class Electronics {  // Large: one member per part that a robot carries
   Electronics(const Electronics&) = delete;
   Electronics& operator=(const Electronics&) = delete;
 
-  // One millisecond: (1) the bus advances, each frame at its own microsecond; (2) the drives run their loops;
-  // (3) the firmware is serviced with the received frames, and its frames become ready after its computing
-  // time. Throws what the host throws.
-  void serve();
+  // One millisecond: gather(), respond().
+  void serve() {
+    gather();
+    respond();
+  }
+  // (1) The bus advances, each frame at its own microsecond; (2) the drives run their loops; (3) the input of
+  // the firmware is complete: see last_input().
+  void gather();
+  // The firmware is serviced with this input, and its frames become ready after its computing time. Throws
+  // what the host throws.
+  void respond();
   // Sets the torques of the motors for the next physics step, by their supply and gears.
   void drive_servos();
   // The sensors sample the world, in which it is now this time.
@@ -79,7 +86,8 @@ class Electronics {  // Large: one member per part that a robot carries
   double drawn_J() const { return drawn_J_; }
   bool drive_enable_line() const { return enable_line_; }
   bool watchdog_bitten() const { return bitten_; }
-  // Last input and output of the firmware; valid until the next `serve`.
+  // Input and output of the firmware's last service call; valid until the next `serve`. Between gather() and
+  // respond() it is the input of the call to come.
   const hal::BatchInput& last_input() const { return input_; }
   const hal::BatchOutput& last_output() const { return output_; }
 
@@ -144,6 +152,7 @@ class Electronics {  // Large: one member per part that a robot carries
   void take(const hal::ImuSample& sample);
   void take(hal::Side side, const hal::AnkleSample& sample);
   void update_sensor_nodes();
+  void complete_input();
   void serve_controller();
   void watch_dog();
 

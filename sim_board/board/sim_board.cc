@@ -12,8 +12,8 @@ SimBoard::SimBoard(const RobotDescription& robot, const BoardOptions& options, C
       step_us_(static_cast<std::uint64_t>(std::llround(1e6 * world_->step_s()))),
       electronics_(robot, options, *world_, host, shares_) {}
 
-void SimBoard::advance() {
-  electronics_.serve();
+void SimBoard::complete() {
+  electronics_.respond();
   for (const std::uint64_t end_us = now_us_ + kService_us; now_us_ < end_us;) {
     if (step_listener_ != nullptr) step_listener_->before_step(*world_, now_us_, now_us_ + step_us_);
     electronics_.drive_servos();

@@ -32,7 +32,15 @@ class SimBoard {
   SimBoard& operator=(const SimBoard&) = delete;
 
   // Advances one millisecond. Throws WorldBlewUp, and what the host throws.
-  void advance();
+  void advance() {
+    gather();
+    complete();
+  }
+  // The two parts of advance(), for a controller that decides between them: after gather() the input of the
+  // firmware is complete, and complete() serves the firmware and advances physics to the end of the
+  // millisecond.
+  void gather() { electronics_.gather(); }
+  void complete();
 
   std::uint64_t now_us() const { return now_us_; }
   World& world() { return *world_; }

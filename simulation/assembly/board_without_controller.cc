@@ -12,13 +12,7 @@ namespace koboshi::simulation {
 namespace {
 
 const Scenario& without_controller(const Scenario& scenario) {
-  const char* found = !scenario.commands.empty()     ? "commands"
-                      : !scenario.parameters.empty() ? "parameters"
-                      : !scenario.motions.empty()    ? "motions"
-                      : scenario.gait                ? "a gait"
-                                                     : nullptr;
-  if (found != nullptr)
-    throw InputError(scenario.file, 0, found, "none of them: a board without controller has no use for them");
+  check_without_controller(scenario);
   return scenario;
 }
 
@@ -33,6 +27,16 @@ const sim_board::RobotDescription& checked(const sim_board::RobotDescription& ro
 }
 
 }  // namespace
+
+void check_without_controller(const Scenario& scenario) {
+  const char* found = !scenario.commands.empty()     ? "commands"
+                      : !scenario.parameters.empty() ? "parameters"
+                      : !scenario.motions.empty()    ? "motions"
+                      : scenario.gait                ? "a gait"
+                                                     : nullptr;
+  if (found != nullptr)
+    throw InputError(scenario.file, 0, found, "none of them: a board without controller has no use for them");
+}
 
 void BoardWithoutController::NoController::exchange(const hal::BatchInput&, hal::BatchOutput& output) {
   output = {};

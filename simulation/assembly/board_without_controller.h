@@ -9,6 +9,9 @@
 
 namespace koboshi::simulation {
 
+// Throws InputError for a scenario with commands, parameters, motions or a gait, which need a controller.
+void check_without_controller(const Scenario& scenario);
+
 // The robot of a scenario without a controller: drives and sensors on their bus, for an external CANopen
 // master. The drive-enable line, which no bus carries, is high.
 class BoardWithoutController {

@@ -29,14 +29,16 @@ void command(Simulation& simulation, const std::string& text) {
   for (const Command& command : commands) simulation.command(command);
 }
 
-void push(Simulation& simulation, const std::string& text) {
+Push read_push(const std::string& text, const sim_board::RobotDescription& robot) {
   const YamlFile document = document_of("pushes", text);
-  const auto pushes = read_pushes(document.root());
+  std::vector<Push> pushes = read_pushes(document.root());
   document.finish();
-  for (const Push& push : pushes) {
-    check(push, simulation.robot());
-    simulation.push(push);
-  }
+  check(pushes.front(), robot);
+  return std::move(pushes.front());
+}
+
+void push(Simulation& simulation, const std::string& text) {
+  simulation.push(read_push(text, simulation.robot()));
 }
 
 Fault read_fault(const std::string& text) {

@@ -14,6 +14,8 @@ namespace koboshi::simulation {
 void command(Simulation& simulation, const std::string& text);
 // `text` is one item of the list `pushes`: "{link: trunk, force_N: [30, 0, 0], duration_s: 0.1}".
 void push(Simulation& simulation, const std::string& text);
+// Reads such an item, which has one push, and checks it against the robot.
+Push read_push(const std::string& text, const sim_board::RobotDescription& robot);
 // `text` is one item of the list `faults`: "{kind: imu_stop, duration_s: 0.03}".
 void fault(Simulation& simulation, const std::string& text);
 // Reads such an item. Simulation::fault takes it once sim_board::check has passed.

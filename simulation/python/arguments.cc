@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simulation/assembly/operator_input.h"
+#include "simulation/disturbance/world_text.h"
 #include "simulation/scenario/paths.h"
 #include "simulation/scenario/reader.h"
 
@@ -54,15 +55,28 @@ void give_command(Simulation& simulation, const std::string& verb, const py::obj
   command(simulation, yaml_of(item));
 }
 
-void give_push(Simulation& simulation, const py::object& force_N, double duration_s,
+std::map<std::string, std::string> drawn_factors(const DisturbedWorld* world,
+                                                 const sim_board::RobotDescription& robot) {
+  std::map<std::string, std::string> factors;
+  if (world == nullptr) return factors;
+  for (const auto& [factor, value] : drawn_texts(*world, robot)) factors.emplace(factor, value);
+  return factors;
+}
+
+Push read_push(const sim_board::RobotDescription& robot, const py::object& force_N, double duration_s,
                const std::optional<std::string>& link, const py::object& at_m, const std::string& shape) {
   py::dict item;
-  item["link"] = link.value_or(simulation.robot().links.front().name);
+  item["link"] = link.value_or(robot.links.front().name);
   item["force_N"] = numbers_of(force_N);
   item["duration_s"] = duration_s;
   item["shape"] = shape;
   if (!at_m.is_none()) item["at_m"] = numbers_of(at_m);
-  push(simulation, yaml_of(item));
+  return read_push(yaml_of(item), robot);
+}
+
+void give_push(Simulation& simulation, const py::object& force_N, double duration_s,
+               const std::optional<std::string>& link, const py::object& at_m, const std::string& shape) {
+  simulation.push(read_push(simulation.robot(), force_N, duration_s, link, at_m, shape));
 }
 
 }  // namespace koboshi::simulation

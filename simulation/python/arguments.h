@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -22,7 +23,14 @@ Scenario read(const std::filesystem::path& file, const std::optional<std::uint64
 void give_command(Simulation& simulation, const std::string& verb, const pybind11::object& value,
                   const pybind11::kwargs& fields);
 
-// Pushes a link, without a name the trunk. `at_m` is None for its centre of mass.
+// What a world has drawn: a text for each factor. Empty if `world` is null.
+std::map<std::string, std::string> drawn_factors(const DisturbedWorld* world,
+                                                 const sim_board::RobotDescription& robot);
+
+// A push of a link, without a name the trunk. `at_m` is None for its centre of mass.
+Push read_push(const sim_board::RobotDescription& robot, const pybind11::object& force_N, double duration_s,
+               const std::optional<std::string>& link, const pybind11::object& at_m,
+               const std::string& shape);
 void give_push(Simulation& simulation, const pybind11::object& force_N, double duration_s,
                const std::optional<std::string>& link, const pybind11::object& at_m,
                const std::string& shape);

@@ -8,7 +8,6 @@
 #include <atomic>
 #include <exception>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -20,9 +19,10 @@
 #include "sim_board/world/world.h"
 #include "simulation/batch/batch.h"
 #include "simulation/batch/parallel.h"
-#include "simulation/disturbance/world_text.h"
 #include "simulation/observe/watched_simulation.h"
 #include "simulation/python/arguments.h"
+#include "simulation/python/exclusive.h"
+#include "simulation/python/joint_level.h"
 #include "simulation/python/observation.h"
 #include "simulation/scenario/operator_pc.h"
 
@@ -30,21 +30,6 @@ namespace py = pybind11;
 
 namespace koboshi::simulation {
 namespace {
-
-// Lock that rejects concurrent use: a step runs without the GIL, and other threads get an exception
-// meanwhile.
-class Exclusive {
- public:
-  explicit Exclusive(std::atomic_flag& flag) : flag_(flag) {
-    if (flag_.test_and_set()) throw std::runtime_error("this simulation is being used in another thread");
-  }
-  ~Exclusive() { flag_.clear(); }
-  Exclusive(const Exclusive&) = delete;
-  Exclusive& operator=(const Exclusive&) = delete;
-
- private:
-  std::atomic_flag& flag_;
-};
 
 // Steps without the GIL, so that other Python threads run. Checks for Ctrl-C periodically.
 template <typename Step>
@@ -282,13 +267,8 @@ A structured array with the fields time_us (end of the last bit), identifier, si
       .def_property_readonly(
           "drawn",
           [](PySimulation& self) {
-            std::map<std::string, std::string> factors;
             const Simulation& simulation = self.idle().simulation();
-            if (const DisturbedWorld* world = simulation.world()) {
-              for (const auto& [factor, value] : drawn_texts(*world, simulation.robot()))
-                factors.emplace(factor, value);
-            }
-            return factors;
+            return drawn_factors(simulation.world(), simulation.robot());
           },
           "What the seed has drawn for this world: a text for each factor. Empty without a world.")
       .def_property_readonly(
@@ -374,6 +354,14 @@ threads: number of threads; default: one per core.)")
 }  // namespace
 
 PYBIND11_MODULE(koboshi, module) {
+  try {
+    py::module_::import("numpy");
+  } catch (const py::error_already_set&) {
+    throw std::runtime_error(
+        "koboshi needs NumPy, which this interpreter does not have (on Debian: /usr/bin/python3 with the "
+        "package "
+        "python3-numpy)");
+  }
   module.doc() = "Koboshi: the firmware of a small humanoid robot on its simulated board.";
   PYBIND11_NUMPY_DTYPE(FrameRecord, time_us, identifier, size, remote, data);
   py::register_exception<InputError>(module, "InputError", PyExc_ValueError).doc() =
@@ -399,6 +387,7 @@ PYBIND11_MODULE(koboshi, module) {
   const ObservationTypes types = define_observations(module);
   define_simulation(module, types);
   define_batch(module, types);
+  define_joint_level(module, types);
 }
 
 }  // namespace koboshi::simulation

@@ -23,19 +23,23 @@ constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr py::ssize_t kJoints = -1;
 constexpr py::ssize_t kLinks = -2;
 
-using Worlds = std::span<const WatchedSimulation* const>;
+template <typename World>
+using Worlds = std::span<const World* const>;
 
+// A field of numbers that is read from a World: from a WatchedSimulation or a TrueWorld.
+template <typename World>
 struct Field {
   const char* name;
   std::vector<py::ssize_t> shape;  // empty: a scalar
   const char* meaning;
-  std::function<void(const WatchedSimulation&, double*)> read;
+  std::function<void(const World&, double*)> read;
 };
 
+template <typename World>
 struct TextField {
   const char* name;
   const char* meaning;
-  std::function<std::string(const WatchedSimulation&)> read;
+  std::function<std::string(const World&)> read;
 };
 
 template <typename Numbers>
@@ -44,15 +48,19 @@ void copy(const Numbers& numbers, double* to) {
 }
 
 const Telemetry& said(const WatchedSimulation& world) { return world.recorder().telemetry(); }
-const GroundTruth& truth(const WatchedSimulation& world) { return world.recorder().truth(); }
+const GroundTruth& truth(const TrueWorld& world) { return world.truth; }
 
-std::size_t joints(const WatchedSimulation& world) { return world.simulation().robot().joints.size(); }
-std::size_t links(const WatchedSimulation& world) { return world.simulation().robot().links.size(); }
+const sim_board::RobotDescription& robot_of(const WatchedSimulation& world) {
+  return world.simulation().robot();
+}
+const sim_board::RobotDescription& robot_of(const TrueWorld& world) { return world.robot; }
+std::size_t joints(const auto& world) { return robot_of(world).joints.size(); }
+std::size_t links(const auto& world) { return robot_of(world).links.size(); }
 
 // Field with one value per joint.
 template <typename Number>
 auto by_joint(Number number) {
-  return [number](const WatchedSimulation& world, double* to) {
+  return [number](const auto& world, double* to) {
     for (std::size_t joint = 0; joint < joints(world); ++joint) *to++ = number(world, joint);
   };
 }
@@ -60,22 +68,23 @@ auto by_joint(Number number) {
 // Field with several values per link, from the body's present state in the world.
 template <typename Numbers>
 auto by_link(Numbers numbers) {
-  return [numbers](const WatchedSimulation& world, double* to) {
+  return [numbers](const TrueWorld& world, double* to) {
     for (std::size_t link = 0; link < links(world); ++link) {
-      const sim_board::BodyState body = world.simulation().board().world().body(static_cast<int>(link));
+      const sim_board::BodyState body = world.world.body(static_cast<int>(link));
       for (const double number : numbers(body)) *to++ = number;
     }
   };
 }
 
-sim_board::JointState true_joint(const WatchedSimulation& world, std::size_t joint) {
-  return world.simulation().board().world().joint(static_cast<int>(joint));
+sim_board::JointState true_joint(const TrueWorld& world, std::size_t joint) {
+  return world.world.joint(static_cast<int>(joint));
 }
 
 double time_s(const WatchedSimulation& world) { return 1e-6 * static_cast<double>(world.now_us()); }
+double time_s(const TrueWorld& world) { return 1e-6 * static_cast<double>(world.now_us); }
 
-const std::vector<TextField>& state_texts() {
-  static const std::vector<TextField> kFields{
+const std::vector<TextField<WatchedSimulation>>& state_texts() {
+  static const std::vector<TextField<WatchedSimulation>> kFields{
       {"state", "state of the firmware: \"limp\", \"standing\", \"walking\" ...",
        [](const auto& world) { return name_of(said(world).state); }},
       {"reason", "reason of the present state (docs/reference/behaviour.md)",
@@ -83,8 +92,8 @@ const std::vector<TextField>& state_texts() {
   return kFields;
 }
 
-const std::vector<Field>& state_fields() {
-  static const std::vector<Field> kFields{
+const std::vector<Field<WatchedSimulation>>& state_fields() {
+  static const std::vector<Field<WatchedSimulation>> kFields{
       {"time_s",
        {},
        "simulated seconds since the start",
@@ -128,8 +137,8 @@ const std::vector<Field>& state_fields() {
   return kFields;
 }
 
-const std::vector<Field>& truth_fields() {
-  static const std::vector<Field> kFields{
+const std::vector<Field<TrueWorld>>& truth_fields() {
+  static const std::vector<Field<TrueWorld>> kFields{
       {"time_s",
        {},
        "simulated seconds since the start",
@@ -195,12 +204,13 @@ const std::vector<Field>& truth_fields() {
   return kFields;
 }
 
-py::object numbers(const Field& field, Worlds worlds, bool by_world) {
+template <typename World>
+py::object numbers(const Field<World>& field, Worlds<World> worlds, bool by_world) {
   std::vector<py::ssize_t> shape;
   if (by_world) shape.push_back(static_cast<py::ssize_t>(worlds.size()));
   py::ssize_t size = 1;
   for (const py::ssize_t length : field.shape) {
-    const WatchedSimulation& first = *worlds.front();
+    const World& first = *worlds.front();
     const py::ssize_t actual = length == kJoints  ? static_cast<py::ssize_t>(joints(first))
                                : length == kLinks ? static_cast<py::ssize_t>(links(first))
                                                   : length;
@@ -214,30 +224,32 @@ py::object numbers(const Field& field, Worlds worlds, bool by_world) {
   }
   py::array_t<double> array(shape);
   double* to = array.mutable_data();
-  for (const WatchedSimulation* world : worlds) {
+  for (const World* world : worlds) {
     field.read(*world, to);
     to += size;
   }
   return array;
 }
 
-py::object texts(const TextField& field, Worlds worlds, bool by_world) {
+template <typename World>
+py::object texts(const TextField<World>& field, Worlds<World> worlds, bool by_world) {
   if (!by_world) return py::str(field.read(*worlds.front()));
   std::vector<std::string> all;
-  for (const WatchedSimulation* world : worlds) all.push_back(field.read(*world));
+  for (const World* world : worlds) all.push_back(field.read(*world));
   return py::module_::import("numpy").attr("array")(all);
 }
 
+template <typename World>
 py::object define(py::module_& module, const char* name, const std::string& title,
-                  const std::vector<TextField>& text_fields, const std::vector<Field>& fields) {
+                  const std::vector<TextField<World>>& text_fields, const std::vector<Field<World>>& fields) {
   py::list names;
   std::string doc = title + "\n";
   const auto add = [&](const char* field, const char* meaning) {
     names.append(field);
     doc += std::string("\n") + field + ": " + meaning;
   };
-  for (const TextField& field : text_fields) add(field.name, field.meaning);
-  for (const Field& field : fields) add(field.name, field.meaning);
+  for (const TextField<World>& field : text_fields) add(field.name, field.meaning);
+  for (const Field<World>& field : fields) add(field.name, field.meaning);
   py::object type = py::module_::import("collections").attr("namedtuple")(name, names);
   type.attr("__doc__") = doc;
   type.attr("__module__") = "koboshi";
@@ -245,11 +257,12 @@ py::object define(py::module_& module, const char* name, const std::string& titl
   return type;
 }
 
-py::object make(const py::object& type, const std::vector<TextField>& text_fields,
-                const std::vector<Field>& fields, Worlds worlds, bool by_world) {
+template <typename World>
+py::object make(const py::object& type, const std::vector<TextField<World>>& text_fields,
+                const std::vector<Field<World>>& fields, Worlds<World> worlds, bool by_world) {
   py::list values;
-  for (const TextField& field : text_fields) values.append(texts(field, worlds, by_world));
-  for (const Field& field : fields) values.append(numbers(field, worlds, by_world));
+  for (const TextField<World>& field : text_fields) values.append(texts(field, worlds, by_world));
+  for (const Field<World>& field : fields) values.append(numbers(field, worlds, by_world));
   return type.attr("_make")(values);
 }
 
@@ -258,14 +271,26 @@ py::object make(const py::object& type, const std::vector<TextField>& text_field
 ObservationTypes::ObservationTypes(py::module_& module)
     : state_type_(
           define(module, "State", "Telemetry of the firmware on the bus.", state_texts(), state_fields())),
-      truth_type_(define(module, "Truth", "Ground truth of the robot in the world.", {}, truth_fields())) {}
+      truth_type_(define(module, "Truth", "Ground truth of the robot in the world.",
+                         std::vector<TextField<TrueWorld>>(), truth_fields())) {}
 
-py::object ObservationTypes::state(Worlds worlds, bool by_world) const {
+py::object ObservationTypes::state(std::span<const WatchedSimulation* const> worlds, bool by_world) const {
   return make(state_type_, state_texts(), state_fields(), worlds, by_world);
 }
 
-py::object ObservationTypes::truth(Worlds worlds, bool by_world) const {
-  return make(truth_type_, {}, truth_fields(), worlds, by_world);
+py::object ObservationTypes::truth(std::span<const WatchedSimulation* const> worlds, bool by_world) const {
+  std::vector<TrueWorld> truths;
+  for (const WatchedSimulation* world : worlds)
+    truths.push_back({world->recorder().truth(), world->simulation().board().world(),
+                      world->simulation().robot(), world->now_us()});
+  return truth(truths, by_world);
+}
+
+py::object ObservationTypes::truth(std::span<const TrueWorld> worlds, bool by_world) const {
+  std::vector<const TrueWorld*> pointers;
+  for (const TrueWorld& world : worlds) pointers.push_back(&world);
+  return make(truth_type_, std::vector<TextField<TrueWorld>>(), truth_fields(), Worlds<TrueWorld>(pointers),
+              by_world);
 }
 
 ObservationTypes define_observations(py::module_& module) { return ObservationTypes(module); }

@@ -2,12 +2,20 @@
 
 #include <pybind11/pybind11.h>
 
-#include <memory>
+#include <cstdint>
 #include <span>
 
 #include "simulation/observe/watched_simulation.h"
 
 namespace koboshi::simulation {
+
+// What Truth is read from. The references must outlive it.
+struct TrueWorld {
+  GroundTruth truth;
+  const sim_board::World& world;
+  const sim_board::RobotDescription& robot;
+  std::uint64_t now_us = 0;
+};
 
 // The named tuples State and Truth of the Python module. observation.cc lists the fields of each in one
 // table.
@@ -19,6 +27,7 @@ class ObservationTypes {
   // there must be exactly one simulation.
   pybind11::object state(std::span<const WatchedSimulation* const> worlds, bool by_world) const;
   pybind11::object truth(std::span<const WatchedSimulation* const> worlds, bool by_world) const;
+  pybind11::object truth(std::span<const TrueWorld> worlds, bool by_world) const;
 
  private:
   pybind11::object state_type_;

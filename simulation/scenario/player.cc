@@ -75,7 +75,7 @@ ScenarioPlayer::ScenarioPlayer(const Scenario& scenario, sim_board::SimBoard& bo
   board_.set_step_listener(this);
 }
 
-void ScenarioPlayer::advance() {
+void ScenarioPlayer::act() {
   const std::uint64_t now_us = board_.now_us();
   operator_.advance();
   for (; operator_.ready() && next_command_ < commands_.size(); ++next_command_) {
@@ -96,7 +96,6 @@ void ScenarioPlayer::advance() {
     board_.world().release_base();
     held_ = false;
   }
-  board_.advance();
 }
 
 void ScenarioPlayer::command(Command command) {

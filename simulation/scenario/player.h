@@ -34,7 +34,13 @@ class ScenarioPlayer final : private sim_board::StepListener {
   ScenarioPlayer& operator=(const ScenarioPlayer&) = delete;
 
   // Advances board and scenario by one millisecond. Throws what the board throws, and SdoFailed.
-  void advance();
+  void advance() {
+    act();
+    board_.advance();
+  }
+  // Does what the scenario and the operator do at the present time, for an owner who advances the board
+  // itself. Throws SdoFailed.
+  void act();
   bool finished() const { return board_.now_us() >= scenario_.duration_us; }
 
   // Takes effect at the next advance(), like a command of the scenario at the present time.

@@ -126,9 +126,11 @@ TEST_F(ControllerNetwork, AResetOfTheNodeLoadsSavedParametersInAStandingRobot) {
 TEST_F(ControllerNetwork, AResetOfTheNodeClearsCommands) {
   ASSERT_TRUE(lead_to(State::kFault));
   ASSERT_EQ(pc.write({kVelocityObject, 1}, 50, 2), AbortCode::kNone);
+  ASSERT_EQ(pc.write({kRequestObject, 2}, 7, 2), AbortCode::kNone);
   ASSERT_EQ(bench.now().faults, 1);
   order(NmtCommand::kResetNode);
   EXPECT_EQ(bench.now().faults, 0);
+  EXPECT_EQ(bench.values().request.argument, 0);
   EXPECT_EQ(bench.values().velocity.forward_mm_per_s, 0);
 }
 
@@ -184,6 +186,9 @@ TEST_F(ControllerNetwork, ListensAgainOnceItHasGivenWay) {
       bench.run_ms(10);
     }
     bench.run_ms(500);
+    // A last frame does not make the controller forget what it has heard.
+    if (second_master) bench.board.can.deliver({.identifier = kSync, .size = 0});
+    bench.run_ms(20);
     bench.sent.clear();
     bench.command(Command::kReset);
     EXPECT_EQ(bench.now().state, State::kBoot);

@@ -179,6 +179,66 @@ class Simulations(unittest.TestCase):
         np.testing.assert_array_equal(sims.truth().link_position_m[1], alone.truth().link_position_m)
 
 
+class Robot(unittest.TestCase):
+    def test_stands_in_the_pose_that_it_is_told(self):
+        robot = koboshi.Robot("joints", stepper="lumped")
+        positions = robot.layout["joint_position_rad"]
+        pose = robot.observation()[positions]
+        for _ in range(200):
+            observation = robot.step(pose)
+        self.assertAlmostEqual(robot.time_s, 2.64)
+        self.assertLess(robot.truth().tilt_rad, 0.1)
+        self.assertLess(np.abs(observation[positions] - pose).max(), 0.05)
+        self.assertEqual(robot.imu_samples().shape, (10, 6))
+        self.assertEqual(robot.fault, "")
+        self.assertTrue((robot.joint_limits_rad[:, 0] < robot.joint_limits_rad[:, 1]).all())
+        self.assertEqual(max(part.stop for part in robot.layout.values()), len(observation))
+
+    def test_snapshots_and_resets_repeat_the_bits(self):
+        robot = koboshi.Robot(seed=5, stepper="lumped", world="rough")
+        self.assertIn("friction", " ".join(robot.drawn))
+        first = robot.observation()
+        snapshot = robot.snapshot()
+        after = robot.step(np.zeros(len(robot.joint_names)), 300)
+        robot.restore(snapshot)
+        np.testing.assert_array_equal(robot.observation(), first)
+        np.testing.assert_array_equal(robot.step(np.zeros(len(robot.joint_names)), 300), after)
+        np.testing.assert_array_equal(robot.reset(), first)
+        self.assertTrue((robot.reset(6) != first).any())
+        with self.assertRaises(RuntimeError):
+            robot.restore(snapshot)
+
+    def test_refuses_bad_actions(self):
+        robot = koboshi.Robot(stepper="lumped")
+        bad = np.zeros(len(robot.joint_names))
+        bad[3] = np.inf
+        for targets, text in ((bad, robot.joint_names[3]), (np.zeros(3), "shape"), (np.zeros((2, len(bad))), "shape")):
+            with self.assertRaisesRegex(koboshi.InputError, text):
+                robot.step(targets)
+        with self.assertRaisesRegex(koboshi.InputError, "commands"):
+            koboshi.Robot("go")
+
+    def test_many_are_those_of_their_seeds(self):
+        robots = koboshi.Robots("joints", seeds=[4, 8, 15], threads=2, stepper="lumped")
+        joints = len(robots.joint_names)
+        targets = np.full((3, joints), 0.1, dtype=np.float32)
+        for _ in range(10):
+            observations = robots.step(targets)
+        alone = koboshi.Robot("joints", seed=8, stepper="lumped")
+        for _ in range(10):
+            observation = alone.step(targets[1])
+        np.testing.assert_array_equal(observations[1], observation)
+        self.assertEqual(robots.truth().position_m.shape, (3, 3))
+        again = robots.reset(mask=[False, True, False], seeds=[0, 4, 0])
+        np.testing.assert_array_equal(again[0], observations[0])
+        robots.reset()
+        np.testing.assert_array_equal(robots.observations()[0], robots.observations()[1])
+        self.assertEqual(robots.faults, ["", "", ""])
+        for bad in (np.zeros(joints), np.zeros((2, joints))):
+            with self.assertRaisesRegex(koboshi.InputError, r"expected \(3, "):
+                robots.step(bad)
+
+
 class Threads(unittest.TestCase):
     def test_run_while_a_simulation_steps(self):
         sim = go()
@@ -206,14 +266,14 @@ class Stubs(unittest.TestCase):
                 actual = getattr(koboshi, node.name)
                 if node.name in ("State", "Truth"):
                     self.assertEqual([item.target.id for item in node.body if isinstance(item, ast.AnnAssign)], list(actual._fields))
-                elif node.name.startswith("Simulation"):
+                elif node.name.startswith(("Simulation", "Robot")):
                     stub = {item.name for item in node.body if isinstance(item, ast.FunctionDef)} - {"__init__", "__len__"}
                     self.assertEqual(stub, {name for name in vars(actual) if not name.startswith("_")})
         classes = {node.name for node in tree.body if isinstance(node, ast.ClassDef)}
         self.assertEqual(classes, {name for name in vars(koboshi) if not name.startswith("_")})
 
     def test_every_public_name_has_a_docstring(self):
-        for owner in (koboshi.Simulation, koboshi.Simulations):
+        for owner in (koboshi.Simulation, koboshi.Simulations, koboshi.Robot, koboshi.Robots):
             for name in vars(owner):
                 if not name.startswith("_"):
                     self.assertTrue(getattr(owner, name).__doc__, f"{owner.__name__}.{name}")
