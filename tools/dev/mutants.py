@@ -321,9 +321,8 @@ def main():
     preset = "firmware" if all(re.match(r"(hal|firmware)(/|$)", folder) for folder in arguments.folders) else "release"
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         copies = queue.Queue()
-        for copy in pool.map(lambda job: Copy(ROOT / "build/mutants" / f"{preset}-{job}", preset, arguments.programs),
-                             range(arguments.jobs)):
-            copies.put(copy)
+        for job in range(arguments.jobs):  # one after the other, so that ccache, if it is here, compiles for the first alone
+            copies.put(Copy(ROOT / "build/mutants" / f"{preset}-{job}", preset, arguments.programs))
         equivalents = judged_equivalent()
         counts = dict.fromkeys(("killed", "survived", "equivalent", "invalid"), 0)
 
