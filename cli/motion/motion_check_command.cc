@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include "cli/commands.h"
+#include "cli/motion/find_motion_file.h"
 #include "simulation/scenario/paths.h"
 #include "tools/motion/check/check.h"
 #include "tools/motion/check/text.h"
@@ -23,7 +24,7 @@ void check_motions(const MotionCheckArguments& arguments, Invocation& invocation
   const auto robot = simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
   MotionChecker checker(robot);
   for (const std::filesystem::path& motion : arguments.motions) {
-    const MotionReport report = checker.check(simulation::find_motion(motion, robot));
+    const MotionReport report = checker.check(find_motion_file(motion, robot));
     const std::string text =
         arguments.json ? report_json(report, checker) : report_text(report, checker, arguments.steps);
     fmt::print("{}", text);

@@ -16,6 +16,7 @@
 #include "base/text/foreign_text.h"
 #include "base/text/text.h"
 #include "cli/commands.h"
+#include "cli/motion/find_motion_file.h"
 #include "cli/motion/motion_robot_command.h"
 #include "cli/options.h"
 #include "firmware/motion/motion.h"
@@ -51,8 +52,7 @@ struct MotionArguments {
 
 void find_inputs(MotionArguments& arguments) {
   arguments.robot = simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
-  for (std::filesystem::path& motion : arguments.motions)
-    motion = simulation::find_motion(motion, arguments.robot);
+  for (std::filesystem::path& motion : arguments.motions) motion = find_motion_file(motion, arguments.robot);
 }
 
 NamedModel load(const MotionArguments& arguments) {
@@ -288,6 +288,7 @@ void add_motion_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand("motion", "Check, compile and edit motions");
   command->require_subcommand(1);
   add_motion_check_command(*command, invocation);
+  add_motion_import_command(*command, invocation);
   add_motion_plot_command(*command, invocation);
   add_motion_preview_command(*command, invocation);
   add_compile(*command, invocation);

@@ -17,6 +17,7 @@
 #include "base/text/text.h"
 #include "bus/can/frame_text.h"
 #include "cli/commands.h"
+#include "cli/motion/find_motion_file.h"
 #include "cli/options.h"
 #include "cli/run_and_report.h"
 #include "firmware/motion/motion.h"
@@ -53,7 +54,7 @@ std::vector<std::byte> image_of(const RobotMotionArguments& arguments, const sim
 
 void find_inputs(RobotMotionArguments& arguments) {
   arguments.robot = simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
-  arguments.motion = simulation::find_motion(arguments.motion, arguments.robot);
+  arguments.motion = find_motion_file(arguments.motion, arguments.robot);
 }
 
 void upload(RobotMotionArguments& arguments) {

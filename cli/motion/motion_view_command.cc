@@ -7,6 +7,7 @@
 
 #include "base/text/foreign_text.h"
 #include "cli/commands.h"
+#include "cli/motion/find_motion_file.h"
 #include "simulation/scenario/paths.h"
 #include "tools/motion/check/check.h"
 #include "tools/motion/view/plot.h"
@@ -33,7 +34,7 @@ void add_common_options(CLI::App& command, MotionViewArguments& arguments) {
 
 void find_inputs(MotionViewArguments& arguments) {
   arguments.robot = simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
-  arguments.motion = simulation::find_motion(arguments.motion, arguments.robot);
+  arguments.motion = find_motion_file(arguments.motion, arguments.robot);
 }
 
 void plot(MotionViewArguments& arguments) {

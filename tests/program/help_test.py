@@ -68,6 +68,7 @@ class Help(unittest.TestCase):
             (cls.folder / name).symlink_to(support.ROOT / name)
         (cls.folder / "docs" / "reference").mkdir(parents=True)
         shutil.copy(support.ROOT / "docs" / "reference" / "drive.eds", cls.folder / "docs" / "reference")
+        (cls.folder / "docs" / "tutorial").symlink_to(support.ROOT / "docs" / "tutorial")
         (cls.folder / "kit").mkdir()
         (cls.folder / "kit" / "robot.urdf").write_text(URDF)
 

@@ -294,8 +294,8 @@ std::string transmissions(const char* left_knee) {
 TEST_F(ImportRobot, KeepsAStageBehindTheServo) {
   const ImportResult result = import({.extra = transmissions("-2.5")});
   const sim_board::RobotDescription robot = load(result);
-  const auto& left = joint(robot, "left_knee");
-  const auto& right = joint(robot, "right_knee");
+  const sim_board::JointDescription left = joint(robot, "left_knee");
+  const sim_board::JointDescription right = joint(robot, "right_knee");
   EXPECT_EQ(left.gear, 2.5);
   EXPECT_EQ(right.gear, 1.0);
   EXPECT_EQ(left.servo.torque_constant_Nm_per_A, 2.5 * right.servo.torque_constant_Nm_per_A);

@@ -1,0 +1,153 @@
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "base/file/output_file.h"
+#include "base/file/standard_streams.h"
+#include "base/text/error.h"
+#include "base/text/text.h"
+#include "base/text/user_units.h"
+#include "cli/commands.h"
+#include "cli/motion/find_motion_file.h"
+#include "sim_board/description/load.h"
+#include "simulation/model/robot_model.h"
+#include "simulation/scenario/paths.h"
+#include "tools/motion_files/convert.h"
+#include "tools/motion_files/joint_map.h"
+#include "tools/motion_files/readers.h"
+
+namespace koboshi::tools {
+namespace {
+
+struct MotionImportArguments {
+  std::string file;
+  std::filesystem::path robot = "robots/koboshi/robot.sdf";
+  std::filesystem::path map;
+  std::filesystem::path out;
+  std::optional<double> clamp_deg;
+  bool retime = false;
+  bool list = false;
+};
+
+std::string read_bytes(const std::filesystem::path& file) {
+  return read_text_file(file, "a motion file of another maker");
+}
+
+// Takes a page number off the end of FILE:PAGE, unless a file has that name.
+std::optional<int> take_page(std::string& file) {
+  const std::size_t colon = file.rfind(':');
+  if (colon == std::string::npos || std::filesystem::exists(file)) return std::nullopt;
+  const auto page = parse_integer(std::string_view(file).substr(colon + 1));
+  if (!page || *page < 0 || *page > 100'000) return std::nullopt;
+  file.resize(colon);
+  return static_cast<int>(*page);
+}
+
+std::string page_text(const ForeignMotion& motion) {
+  std::size_t frames = 0;
+  for (const ForeignSection& section : motion.sections) frames += section.frames.size();
+  return fmt::format("{:4}  {:16}  {}", motion.page, motion.name, count_text(frames, "frame"));
+}
+
+const ForeignMotion& choose(const std::filesystem::path& file, const std::vector<ForeignMotion>& motions,
+                            const std::optional<int>& page) {
+  if (!page && motions.size() == 1) return motions.front();
+  const auto found = std::ranges::find_if(
+      motions, [&](const ForeignMotion& motion) { return page && motion.page == *page; });
+  if (found != motions.end()) return *found;
+  if (!page)
+    throw InputError(file, 0, count_text(motions.size(), "page") + " with motions",
+                     "FILE:PAGE; koboshi motion import --list FILE shows them");
+  throw InputError(file, 0, "no motion on page " + std::to_string(*page),
+                   "one of the pages that koboshi motion import --list FILE shows");
+}
+
+int import_motion(MotionImportArguments& arguments) {
+  const std::optional<int> page = take_page(arguments.file);
+  const std::filesystem::path file = arguments.file;
+  const std::vector<ForeignMotion> motions = read_foreign_motions(file, read_bytes(file));
+  if (arguments.list) {
+    for (const ForeignMotion& motion : motions) fmt::print("{}\n", page_text(motion));
+    return 0;
+  }
+  const ForeignMotion& motion = choose(file, motions, page);
+  const std::filesystem::path robot_file =
+      simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
+  const sim_board::RobotDescription robot = sim_board::load_robot(robot_file);
+  ConversionOptions options{.retime = arguments.retime, .largest_clamp_rad = {}};
+  if (arguments.clamp_deg) options.largest_clamp_rad = kRadPerDegree * *arguments.clamp_deg;
+  const ConvertedMotion converted =
+      convert_motion(file, motion, find_joints(file, motion, robot, arguments.map),
+                     simulation::load_named_model(robot), options);
+  for (const std::string& line : converted.report) print_error("{}: {}\n", file.string(), utf8_text(line));
+  if (arguments.out.empty()) {
+    fmt::print("{}", converted.text);
+  } else {
+    std::error_code missing;
+    if (std::filesystem::equivalent(file, arguments.out, missing))
+      throw InputError(arguments.out, 0, "the input as the output", "another file for the result");
+    write_whole_file(arguments.out, converted.text);
+  }
+  print_error(
+      "{}: {}; {} left out as straight, {} clamped, {} stretched; {:.3f} s in the file, {:.3f} s now\n",
+      file.string(), count_text(converted.frames, "frame"), converted.left_out,
+      count_text(converted.clamped, "angle"), count_text(converted.stretched, "move"), converted.original_s,
+      converted.duration_s);
+  if (converted.too_fast > converted.stretched)
+    print_error("{}: {} too fast for the servos; --retime gives them the time\n", file.string(),
+                converted.too_fast == 1 ? "a move is" : std::to_string(converted.too_fast) + " moves are");
+  return 0;
+}
+
+}  // namespace
+
+std::filesystem::path find_motion_file(const std::filesystem::path& given,
+                                       const std::filesystem::path& robot) {
+  const std::filesystem::path file = simulation::find_motion(given, robot);
+  std::error_code missing;
+  if (!std::filesystem::is_regular_file(file, missing)) return file;
+  if (const auto format = recognise(read_text_file(file, "a motion file")))
+    throw InputError(file, 0, name_of(*format),
+                     "a motion file: koboshi motion import " + file.string() + " makes one of it");
+  return file;
+}
+
+void add_motion_import_command(CLI::App& motion_command, Invocation& invocation) {
+  auto arguments = std::make_shared<MotionImportArguments>();
+  CLI::App* command =
+      motion_command.add_subcommand("import", "Convert a motion of another maker into a motion file");
+  command->footer(
+      R"(Reads motions of Webots (.motion), ROBOTIS (.mtn, motion_*.bin), Choreonoid (.pseq), the Bit-Bots and
+bold-humanoid (JSON), and tables (CSV), which it recognises by their contents. Joints are found by the robot's servo
+numbers (koboshi model map) or by their names. What was clamped, slowed down, dropped or guessed is said on the
+standard error output (docs/reference/motion-import.md).
+
+Examples:
+  koboshi motion import docs/tutorial/bring-your-motions/nod.csv --retime -o nod.yaml
+  koboshi motion import --list docs/tutorial/bring-your-motions/pages.mtn
+  koboshi motion import docs/tutorial/bring-your-motions/pages.mtn:2 --map docs/tutorial/bring-your-motions/servos.yaml
+)");
+  command->add_option("FILE", arguments->file, "The motion's file; FILE:PAGE for a page of a file with pages")
+      ->required();
+  command->add_option("--robot", arguments->robot, "The robot's file or name")->capture_default_str();
+  command->add_option("--map", arguments->map, "Which joint of the robot each joint of the file is")
+      ->type_name("FILE");
+  command->add_flag("--retime", arguments->retime, "Give moves the time that the servos need");
+  command
+      ->add_option("--clamp", arguments->clamp_deg,
+                   "Refuse angles that are further beyond a limit (default: clamp all)")
+      ->type_name("DEGREES")
+      ->check(CLI::Range(0.0, 360.0));
+  command->add_flag("--list", arguments->list, "Only list the pages of the file");
+  command->add_option("-o,--out", arguments->out, "The motion file (default: standard output)")
+      ->type_name("FILE");
+  command->callback([arguments, &invocation] { invocation.exit_status = import_motion(*arguments); });
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,245 @@
+#include "tools/motion_files/readers.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <string>
+
+#include "base/text/error.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr double kDegreeInRad = std::numbers::pi / 180.0;
+
+ForeignMotion read_one(const std::string& bytes) {
+  const auto motions = read_foreign_motions("file", bytes);
+  EXPECT_EQ(motions.size(), 1u);
+  return motions.front();
+}
+
+std::string message_of(const std::string& bytes) {
+  try {
+    static_cast<void>(read_foreign_motions("file", bytes));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "read";
+}
+
+std::string notes_of(const ForeignMotion& motion) {
+  std::string text;
+  for (const ForeignNote& note : motion.notes) text += note.place + ": " + note.text + "\n";
+  return text;
+}
+
+// The binary page of ROBOTIS, with these bytes at these places and a right checksum.
+class Page {
+ public:
+  Page(const std::string& name, int steps) : bytes_(512, '\0') {
+    bytes_.replace(0, name.size(), name);
+    set(15, 1);
+    set(16, 0x0A);
+    set(20, steps);
+    set(22, 32);
+  }
+  Page& set(std::size_t place, int value) {
+    bytes_[place] = static_cast<char>(value);
+    return *this;
+  }
+  Page& step(std::size_t number, std::size_t servo, int position) {
+    const std::size_t place = 64 + 64 * number + 2 * servo;
+    return set(place, position & 0xFF).set(place + 1, position >> 8);
+  }
+  Page& times(std::size_t number, int pause, int time) {
+    return set(64 + 64 * number + 62, pause).set(64 + 64 * number + 63, time);
+  }
+  std::string bytes() {
+    set(31, 0);
+    unsigned sum = 0;
+    for (const char byte : bytes_) sum += static_cast<unsigned char>(byte);
+    set(31, static_cast<int>(0xFFu - (sum & 0xFFu)));
+    return bytes_;
+  }
+
+ private:
+  std::string bytes_;
+};
+
+TEST(Recognise, TellsFormatsByTheirContents) {
+  EXPECT_EQ(recognise("\xEF\xBB\xBF#WEBOTS_MOTION,V1.0,a\r\n"), MotionFormat::kWebots);
+  EXPECT_EQ(recognise("type=motion\npage_begin\nstep=1 2 3\n"), MotionFormat::kRoboplusText);
+  EXPECT_EQ(recognise(R"({"keyframes": [{"goals": {}}]})"), MotionFormat::kBitBots);
+  EXPECT_EQ(recognise(R"({"stages": [{"keyFrames": []}]})"), MotionFormat::kBold);
+  EXPECT_EQ(recognise("type: PoseSeq\nrefs: []\n"), MotionFormat::kPoseSeq);
+  EXPECT_EQ(recognise("Time_s;left_knee\n0;1\n"), MotionFormat::kCsv);
+  EXPECT_EQ(recognise(Page("bow", 1).bytes()), MotionFormat::kRoboplusPages);
+  for (const char* other : {"", "version: 2\nrobot: koboshi\nname: bow\n", R"({"a": 1})", "left,right\n"})
+    EXPECT_EQ(recognise(other), std::nullopt) << other;
+  EXPECT_EQ(recognise(std::string(512, '\0')), std::nullopt);
+}
+
+TEST(Webots, HasTimesAnglesAndPartialPoses) {
+  const ForeignMotion motion = read_one(
+      "#WEBOTS_MOTION,V1.0,HeadYaw,LKneePitch\r\n"
+      "00:00:000,Pose1,0.5,*\r\n"
+      "00:01:240,Pose2,-0.25,1.5\r\n"
+      "01:00:000,Pose3,*,x\r\n"
+      "00:30:000,Pose4,0,0\r\n");
+  EXPECT_EQ(motion.joints.size(), 2u);
+  ASSERT_EQ(motion.sections.size(), 1u);
+  const auto& frames = motion.sections[0].frames;
+  ASSERT_EQ(frames.size(), 3u);
+  EXPECT_EQ(frames[0].values, (std::vector<ForeignValue>{0.5, std::nullopt}));
+  EXPECT_EQ(frames[1].move_us, 1'240'000);
+  EXPECT_EQ(frames[2].move_us, 58'760'000);
+  EXPECT_EQ(notes_of(motion),
+            "line 4: ignored: 'x' is no angle of LKneePitch\n"
+            "line 5: ignored: its time is before that of the pose above\n");
+  EXPECT_EQ(message_of("#WEBOTS_MOTION,V1.0\n"),
+            "file:1: found a header without joints, expected #WEBOTS_MOTION,V1.0 and the names of joints");
+}
+
+TEST(Csv, ReadsUnitsFromHeadersOrFromTheValues) {
+  const ForeignMotion stated = read_one("time_ms,knee_deg,hip_rad\n0,90,1\n250,45,2\n");
+  EXPECT_EQ(stated.joints[0].name, "knee");
+  EXPECT_NEAR(*stated.sections[0].frames[0].values[0], 90 * kDegreeInRad, 1e-12);
+  EXPECT_EQ(stated.sections[0].frames[1].values[1], 2.0);
+  EXPECT_EQ(stated.sections[0].frames[1].move_us, 250'000);
+  EXPECT_TRUE(stated.notes.empty());
+  const ForeignMotion degrees = read_one("t;knee\n0;90\n0,5;45\n1.5;45\n");
+  EXPECT_NEAR(*degrees.sections[0].frames[0].values[0], 90 * kDegreeInRad, 1e-12);
+  EXPECT_NE(notes_of(degrees).find("'0,5' is no time"), std::string::npos) << notes_of(degrees);
+  EXPECT_NE(notes_of(degrees).find("read as degrees"), std::string::npos);
+  EXPECT_NE(notes_of(read_one("t,knee\n0,1.5\n")).find("read as rad"), std::string::npos);
+}
+
+TEST(BitBots, HasDurationsPausesAndTorques) {
+  const ForeignMotion motion = read_one(
+      R"({"name": "up", "keyframes": [{"duration": 0.5, "pause": 0.25, "goals": {"knee": 90}, "torque": {"hip": 0, "knee": 1}},)"
+      R"( {"duration": 1.0, "goals": {"hip": "x"}}, 7]})");
+  EXPECT_EQ(motion.name, "up");
+  ASSERT_EQ(motion.sections[0].frames.size(), 2u);
+  const ForeignFrame& first = motion.sections[0].frames[0];
+  EXPECT_EQ(first.move_us, 500'000);
+  EXPECT_EQ(first.pause_us, 250'000);
+  EXPECT_NEAR(*first.values[0], 90 * kDegreeInRad, 1e-12);
+  EXPECT_EQ(motion.joints[first.without_torque.at(0)].name, "hip");
+  EXPECT_EQ(notes_of(motion),
+            "keyframe 2: ignored: the goal of hip is no number\nkeyframe 3: ignored: it is no object\n");
+  EXPECT_EQ(message_of("{\n\"keyframes\": [{\"goals\": }]}"),
+            "file:2: found text that is no JSON, expected a JSON document");
+}
+
+TEST(Bold, MirrorsNamesWithoutASide) {
+  const ForeignMotion motion = read_one(
+      R"({"name": "kick", "stages": [{"repeat": 2, "keyFrames": [{"moveCycles": 50, "pauseCycles": 5, )"
+      R"("values": {"knee": 2148, "head-pan": 2000, "tail": 1}}]}]})");
+  EXPECT_EQ(motion.unit, ForeignMotion::Unit::kTicks);
+  EXPECT_EQ(motion.sections[0].repeat, 2);
+  const ForeignFrame& frame = motion.sections[0].frames[0];
+  EXPECT_EQ(frame.move_us, 400'000);
+  EXPECT_EQ(frame.pause_us, 40'000);
+  EXPECT_EQ(frame.values[13], 2148.0);  // servo 14, the left knee
+  EXPECT_EQ(frame.values[12], 1948.0);
+  EXPECT_EQ(frame.values[18], 2000.0);
+  EXPECT_EQ(frame.values[0], std::nullopt);
+  EXPECT_EQ(notes_of(motion), "stage 1, key frame 1: ignored: 'tail' is no joint of a DARwIn-OP\n");
+}
+
+TEST(PoseSeq, NumbersJointsAndKeepsTheLastOfTwoPosesAtOneTime) {
+  const ForeignMotion motion = read_one(
+      "type: PoseSeq\nname: wave\nrefs:\n"
+      "  - {time: 0, refer: {type: Pose, joints: [3, 7], q: [0, 0]}}\n"
+      "  - {time: 0, refer: {type: Pose, joints: [3, 7], q: [0.5, 1]}}\n"
+      "  - {time: 1.5, refer: other}\n"
+      "  - {time: 2, refer: {type: Pose, joints: [7], q: [2], isZmpStationaryPoint: true}}\n");
+  EXPECT_TRUE(motion.is_smooth);
+  EXPECT_EQ(motion.joints[1].servo_id, 7);
+  const auto& frames = motion.sections[0].frames;
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_EQ(frames[0].values, (std::vector<ForeignValue>{0.5, 1.0}));
+  EXPECT_EQ(frames[1].values, (std::vector<ForeignValue>{std::nullopt, 2.0}));
+  EXPECT_EQ(frames[1].move_us, 2'000'000);
+  EXPECT_NE(notes_of(motion).find("line 6: ignored"), std::string::npos) << notes_of(motion);
+  EXPECT_NE(notes_of(motion).find("stationary points"), std::string::npos);
+}
+
+TEST(RoboplusText, HasPagesWithFollowersAndSpeeds) {
+  const std::string file =
+      "type=motion\nversion=1.01\nenable=0 1 1\n"
+      "page_begin\nname=first\ncompliance=5 5 5\nplay_param=2 0 3 2 32\nstep=512 300 400 0.5 1\nstep=0 512 x "
+      "0 0.25\npage_end\n"
+      "page_begin\nname=\nplay_param=0 0 1 1 32\nstep=0 100 200 0 1\npage_end\n"
+      "page_begin\npage_end\n";
+  const auto motions = read_foreign_motions("file", file);
+  ASSERT_EQ(motions.size(), 2u);
+  const ForeignMotion& first = motions[0];
+  EXPECT_EQ(first.page, 1);
+  EXPECT_EQ(first.name, "first");
+  ASSERT_EQ(first.sections.size(), 2u);  // and the page that follows
+  EXPECT_EQ(first.sections[0].repeat, 3);
+  ASSERT_EQ(first.joints.size(), 2u);
+  EXPECT_EQ(first.joints[0].servo_id, 1);
+  EXPECT_EQ(first.sections[0].frames[0].move_us, 500'000);  // at double speed
+  EXPECT_EQ(first.sections[0].frames[0].pause_us, 250'000);
+  EXPECT_EQ(first.sections[0].frames[1].values, (std::vector<ForeignValue>{512.0, std::nullopt}));
+  EXPECT_EQ(notes_of(first), "page 1, line 9: servo 2 keeps its position: 'x' is none\n");
+  EXPECT_TRUE(motions[1].notes.empty());
+  EXPECT_NE(message_of("page_begin\nstep=1\npage_end\n").find("found no page with a step"),
+            std::string::npos);
+}
+
+TEST(RoboplusPages, HaveTimesUnusedServosAndChecksums) {
+  Page page("bow", 2);
+  for (std::size_t servo = 0; servo < 31; ++servo) page.step(0, servo, 0x4000).step(1, servo, 0x4000);
+  page.step(0, 1, 2048).step(1, 1, 3072).step(1, 2, 0x2000).times(0, 10, 125).times(1, 0, 50);
+  std::string file = std::string(512, '\0') + page.bytes();
+  const ForeignMotion motion = read_one(file);
+  EXPECT_EQ(motion.page, 1);
+  EXPECT_EQ(motion.name, "bow");
+  ASSERT_EQ(motion.joints.size(), 2u);
+  const auto& frames = motion.sections[0].frames;
+  EXPECT_EQ(frames[0].move_us, 1'000'000);
+  EXPECT_EQ(frames[0].pause_us, 80'000);
+  EXPECT_EQ(frames[1].values, (std::vector<ForeignValue>{3072.0, std::nullopt}));
+  EXPECT_EQ(frames[1].without_torque, std::vector<std::size_t>{1});
+  EXPECT_TRUE(motion.notes.empty()) << notes_of(motion);
+
+  file[512 + 31] = static_cast<char>(file[512 + 31] + 1);
+  file += Page("other", 1).step(0, 3, 100).times(0, 0, 10).bytes() + "rest";
+  const auto motions = read_foreign_motions("file", file);
+  ASSERT_EQ(motions.size(), 2u);
+  EXPECT_EQ(notes_of(motions[0]),
+            "page 1: its checksum is wrong; it is read all the same\nend: the last 4 bytes are no whole "
+            "page, and ignored\n");
+}
+
+TEST(RoboplusPages, MoveBySpeedWhereTheScheduleSaysSo) {
+  Page page("fast", 2);
+  page.set(16, 0).step(0, 1, 0).step(1, 1, 512).times(0, 0, 64).times(1, 0, 64);
+  const ForeignMotion motion = read_one(page.bytes());
+  // 512 ticks of 300/1024 degrees at 64 * 720/256 degrees/s.
+  EXPECT_EQ(motion.sections[0].frames[1].move_us, 833'333);
+}
+
+TEST(RoboplusPages, EndWhereAPageFollowsThatWasPlayed) {
+  const std::string loop = Page("a", 1).set(25, 1).step(0, 1, 5).times(0, 0, 1).bytes() +
+                           Page("b", 1).set(25, 0).step(0, 1, 6).times(0, 0, 1).bytes() +
+                           Page("c", 1).set(25, 2).step(0, 1, 7).times(0, 0, 1).bytes();
+  const auto motions = read_foreign_motions("file", loop);
+  ASSERT_EQ(motions.size(), 3u);
+  EXPECT_EQ(motions[0].sections.size(), 2u);
+  EXPECT_TRUE(motions[0].notes.empty());
+  EXPECT_EQ(motions[2].sections.size(), 1u);
+  EXPECT_NE(notes_of(motions[2]).find("for ever"), std::string::npos);
+}
+
+TEST(ForeignMotions, RefuseWhatIsNone) {
+  for (const char* bytes : {"", "\n\n", "hello", "{}", "t,knee\n", "#WEBOTS_MOTION,V1.0,a\n",
+                            "{\"keyframes\": [], \"goals\": 0}"})
+    EXPECT_NE(message_of(bytes), "read") << bytes;
+}
+
+}  // namespace
+}  // namespace koboshi::tools

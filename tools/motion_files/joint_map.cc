@@ -1,0 +1,282 @@
+#include "tools/motion_files/joint_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <set>
+
+#include "base/text/error.h"
+#include "base/text/text.h"
+#include "base/text/user_units.h"
+#include "base/yaml/yaml_reader.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+
+// --- Names
+
+// The words of a name in lower case: "LHipYawPitch", "l_hip_pitch_joint" and "left-hip-pitch" are all words.
+std::vector<std::string> words_of(const std::string& name) {
+  std::vector<std::string> words{""};
+  char last = '_';
+  for (const char c : name) {
+    const bool upper = c >= 'A' && c <= 'Z';
+    const bool lower = c >= 'a' && c <= 'z';
+    const bool digit = c >= '0' && c <= '9';
+    const bool after_lower = last >= 'a' && last <= 'z';
+    const bool after_side = words.back() == "l" || words.back() == "r";
+    if (!(upper || lower || digit) || (upper && (after_lower || after_side))) {
+      if (!words.back().empty()) words.emplace_back();
+    }
+    if (upper || lower || digit) words.back() += upper ? static_cast<char>(c + 32) : c;
+    last = c;
+  }
+  if (words.back().empty()) words.pop_back();
+  return words;
+}
+
+// What a word means in the roles of sim_board/description/roles.h; empty: nothing.
+std::string meaning(const std::string& word) {
+  struct Synonym {
+    std::string_view word, meaning;
+  };
+  constexpr std::array<Synonym, 20> kSynonyms{
+      {{"l", "left"},     {"r", "right"},     {"sho", "shoulder"}, {"shoulder", "shoulder"},
+       {"el", "elbow"},   {"arm", "arm"},     {"neck", "head"},    {"calf", "knee"},
+       {"kne", "knee"},   {"ank", "ankle"},   {"foot", "ankle"},   {"leg", ""},
+       {"joint", ""},     {"servo", ""},      {"motor", ""},       {"j", ""},
+       {"swing", "roll"}, {"torso", "waist"}, {"trunk", "waist"},  {"thigh", "thigh"}}};
+  for (const Synonym& synonym : kSynonyms) {
+    if (synonym.word == word) return std::string(synonym.meaning);
+  }
+  return word;
+}
+
+// The meaning of a name as a role: "l_hip_pitch_joint" is left_hip_pitch, "head_yaw" is head_pan.
+std::string role_meant(const std::string& name) {
+  std::set<std::string> words;
+  for (const std::string& word : words_of(name)) {
+    if (const std::string meant = meaning(word); !meant.empty()) words.insert(meant);
+  }
+  const auto swap = [&](const char* part, const char* from, const char* to) {
+    if (words.contains(part) && words.erase(from) > 0) words.insert(to);
+  };
+  swap("head", "yaw", "pan");
+  swap("head", "pitch", "tilt");
+  if (words.contains("knee")) words.erase("pitch");
+  if (words.contains("elbow")) {
+    words.erase("pitch");
+    words.erase("roll");
+  }
+  std::string role;
+  for (const char* word : {"left", "right", "head", "waist", "shoulder", "elbow", "hip", "knee", "ankle",
+                           "pan", "tilt", "yaw", "roll", "pitch"}) {
+    if (words.erase(word) > 0) role += (role.empty() ? "" : "_") + std::string(word);
+  }
+  return words.empty() ? role : std::string();
+}
+
+std::optional<std::size_t> joint_with_name(const std::string& name,
+                                           const sim_board::RobotDescription& robot) {
+  if (const auto joint = robot.find_joint(name)) return static_cast<std::size_t>(*joint);
+  const std::string meant = role_meant(name);
+  std::optional<std::size_t> found;
+  for (std::size_t joint = 0; joint < robot.joints.size(); ++joint) {
+    const std::string& own = robot.joints[joint].name;
+    if (meant.empty() || (robot.joints[joint].role() != meant && role_meant(own) != meant)) continue;
+    if (found) return std::nullopt;
+    found = joint;
+  }
+  return found;
+}
+
+// --- The map file
+
+class MapFile {
+ public:
+  MapFile(const std::filesystem::path& file, const sim_board::RobotDescription& robot)
+      : file_(file), robot_(robot) {
+    const YamlMap root = file_.root();
+    root.require_version(1);
+    for (const auto& [name, value] : root.child("joints").entries()) entries_.emplace_back(name, read(value));
+    file_.finish();
+  }
+
+  // Whether the map names this joint, and what it becomes.
+  bool find(const ForeignJoint& joint, bool ticks, std::optional<MappedJoint>& mapped) const {
+    for (const auto& [name, entry] : entries_) {
+      const bool same = name == joint.name || (joint.servo_id && name == std::to_string(*joint.servo_id));
+      if (!same) continue;
+      mapped = entry.ignored ? std::nullopt : std::optional(ticks ? entry.in_ticks : entry.in_rad);
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  struct Entry {
+    bool ignored = false;
+    MappedJoint in_rad{};
+    MappedJoint in_ticks{};
+  };
+
+  Entry read(const YamlValue& value) const {
+    if (!value.is_map()) {
+      if (value.text() != "ignore") throw value.error("a joint with its sign and zero, or 'ignore'");
+      return {.ignored = true};
+    }
+    const YamlMap map = value.map();
+    const std::string name = map.text("joint");
+    const auto joint = robot_.find_joint(name);
+    if (!joint) throw map.error_at("joint", "'" + name + "'", "a joint of " + robot_.name);
+    const auto place = static_cast<std::size_t>(*joint);
+    const double sign = static_cast<double>(map.integer("sign", {.min = -1, .max = 1}, 1));
+    if (sign == 0.0) throw map.error_at("sign", "0", "1 or -1");
+    const double per_turn = map.number("ticks_per_turn", {.min = 1, .max = 1e7}, 4096.0);
+    return {
+        .in_rad = {place, sign, kRadPerDegree * map.number("zero_deg", {.min = -360, .max = 360}, 0.0), 1.0},
+        .in_ticks = {place, sign, map.number("zero_ticks", {.min = -1e6, .max = 1e6}, 0.5 * per_turn),
+                     kTurn_rad / per_turn}};
+  }
+
+  YamlFile file_;
+  const sim_board::RobotDescription& robot_;
+  std::vector<std::pair<std::string, Entry>> entries_;
+};
+
+// --- Servos by number
+
+std::optional<MappedJoint> by_maker(const ForeignJoint& joint, bool ticks,
+                                    const sim_board::RobotDescription& robot) {
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    const auto& maker = robot.joints[i].maker;
+    if (!maker || !joint.servo_id || maker->servo_id != *joint.servo_id) continue;
+    const double unit_rad = ticks ? kTurn_rad / maker->ticks_per_turn : 1.0;
+    return MappedJoint{i, static_cast<double>(maker->sign), ticks ? maker->zero_ticks : 0.0, unit_rad};
+  }
+  return std::nullopt;
+}
+
+// --- Names of the imported file
+
+// Joints of the robot by their names in the file from which it was imported; empty for another robot.
+std::vector<std::pair<std::string, std::string>> source_names(const sim_board::RobotDescription& robot) {
+  const std::filesystem::path decisions = robot.file.parent_path() / "import.yaml";
+  std::error_code missing;
+  std::vector<std::pair<std::string, std::string>> names;
+  if (!std::filesystem::is_regular_file(decisions, missing)) return names;
+  const YamlFile file(decisions);
+  if (const auto joints = file.root().optional_child("joints")) {
+    for (const auto& [joint, source] : joints->entries()) names.emplace_back(source.text(), joint);
+  }
+  return names;
+}
+
+std::optional<MappedJoint> by_source(const std::string& name,
+                                     const std::vector<std::pair<std::string, std::string>>& names,
+                                     const sim_board::RobotDescription& robot) {
+  for (const auto& [source, own] : names) {
+    const auto joint = source == name ? robot.find_joint(own) : std::nullopt;
+    if (!joint) continue;
+    const auto place = static_cast<std::size_t>(*joint);
+    const sim_board::DriveDescription& drive = robot.joints[place].drive;
+    return MappedJoint{place, static_cast<double>(drive.sign), drive.zero_rad, 1.0};
+  }
+  return std::nullopt;
+}
+
+// --- Signs that nothing states
+
+// By how much the angles of a joint of the file are beyond the limits, in sum, in rad.
+double beyond_limits_rad(const ForeignMotion& motion, std::size_t column, double sign,
+                         const sim_board::JointDescription& joint) {
+  double sum_rad = 0.0;
+  for (const ForeignSection& section : motion.sections) {
+    for (const ForeignFrame& frame : section.frames) {
+      if (!frame.values[column]) continue;
+      const double angle_rad = sign * *frame.values[column];
+      sum_rad += std::max({0.0, joint.lower_rad - angle_rad, angle_rad - joint.upper_rad});
+    }
+  }
+  return sum_rad;
+}
+
+std::string names_of(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 6;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) text += (i == 0 ? "" : ", ") + names[i];
+  if (names.size() > kMost) text += fmt::format(" and {} more", names.size() - kMost);
+  return text;
+}
+
+}  // namespace
+
+JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& motion,
+                     const sim_board::RobotDescription& robot, const std::filesystem::path& map_file) {
+  const bool ticks = motion.unit == ForeignMotion::Unit::kTicks;
+  std::optional<MapFile> map_of_user;
+  if (!map_file.empty()) map_of_user.emplace(map_file, robot);
+  JointMap map;
+  std::vector<std::string> unknown;
+  std::vector<std::string> guessed;
+  std::vector<std::string> taken(robot.joints.size());
+  std::vector<std::string> reversed;
+  const auto sources = ticks ? std::vector<std::pair<std::string, std::string>>() : source_names(robot);
+  for (std::size_t column = 0; column < motion.joints.size(); ++column) {
+    const ForeignJoint& joint = motion.joints[column];
+    std::optional<MappedJoint> mapped;
+    const bool stated = map_of_user && map_of_user->find(joint, ticks, mapped);
+    if (!stated) mapped = by_maker(joint, ticks, robot);
+    if (!stated && !mapped) mapped = by_source(joint.name, sources, robot);
+    if (!stated && !mapped && !ticks) {
+      if (const auto found = joint_with_name(joint.name, robot)) {
+        mapped = MappedJoint{*found};
+        const sim_board::JointDescription& own = robot.joints[*found];
+        const bool guess = own.name != joint.name && own.role() != joint.name;
+        if (guess) guessed.push_back(joint.name + " is " + own.name);
+        if (guess &&
+            beyond_limits_rad(motion, column, -1.0, own) < beyond_limits_rad(motion, column, 1.0, own)) {
+          mapped->sign = -1.0;
+          reversed.push_back(joint.name);
+        }
+      }
+    }
+    if (!stated && !mapped) unknown.push_back(joint.name);
+    if (mapped && !taken[mapped->joint].empty())
+      throw InputError(file, 0,
+                       fmt::format("{} and {}, which are both {}", taken[mapped->joint], joint.name,
+                                   robot.joints[mapped->joint].name),
+                       "one joint of the file for each of the robot: --map FILE");
+    if (mapped) taken[mapped->joint] = joint.name;
+    map.joints.push_back(mapped);
+  }
+  const bool nothing =
+      std::ranges::none_of(map.joints, [](const auto& mapped) { return mapped.has_value(); });
+  if (nothing || (ticks && !unknown.empty()))
+    throw InputError(file, 0,
+                     names_of(unknown.empty() ? std::vector<std::string>{"only ignored joints"} : unknown),
+                     ticks || motion.format == MotionFormat::kPoseSeq
+                         ? "servos that the robot names (koboshi:maker, see koboshi model map), or --map FILE"
+                         : "joints of " + robot.name + ", or --map FILE");
+  if (!guessed.empty())
+    map.notes.push_back({"joints", fmt::format("by the meaning of their names: {}; --map FILE says otherwise",
+                                               names_of(guessed))});
+  if (!guessed.empty())
+    map.notes.push_back(
+        {"joints",
+         reversed.empty()
+             ? "all of these turn as in the file, because nothing says otherwise"
+             : fmt::format(
+                   "of these, the limits say that {} turn the other way; the others turn as in the file",
+                   names_of(reversed))});
+  if (!unknown.empty())
+    map.notes.push_back({"joints", fmt::format("dropped, because {} has none of this name: {}", robot.name,
+                                               names_of(unknown))});
+  return map;
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim_board/description/description.h"
+#include "tools/motion_files/foreign_motion.h"
+
+namespace koboshi::tools {
+
+// How the values of one joint of a motion file become angles of a robot's joint:
+//   angle = sign * (value - zero) * unit_rad
+struct MappedJoint {
+  std::size_t joint = 0;  // of the robot
+  double sign = 1.0;      // 1 or -1
+  double zero = 0.0;      // value at joint angle zero, in the file's unit
+  double unit_rad = 1.0;  // of the file's values: 1 for rad, or a tick
+};
+
+// By joint of the file; nothing: its values are dropped.
+struct JointMap {
+  std::vector<std::optional<MappedJoint>> joints{};
+  std::vector<ForeignNote> notes{};  // what was guessed or dropped
+};
+
+// Finds the robot's joint for each joint of the file, in this order:
+//   - in the map of `map_file`, if there is one;
+//   - a numbered servo by the robot's `koboshi:maker`;
+//   - by the name that the joint has in the file from which the robot was imported (import.yaml beside the
+//     robot's file), with the sign and the zero of that file, which are those of the drive's shaft;
+//   - by its name, if exactly one joint or role has it or means the same. Where more of the angles are within
+//     the joint's limits with the opposite sign, it is taken.
+// Throws InputError, naming `file`, if no joint of the file is found, or a numbered servo is not, because a
+// motion without a part of its joints is another motion; the message says what to do.
+[[nodiscard]] JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& motion,
+                                   const sim_board::RobotDescription& robot,
+                                   const std::filesystem::path& map_file = {});
+
+}  // namespace koboshi::tools

@@ -1,0 +1,105 @@
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "base/text/error.h"
+#include "base/text/foreign_text.h"
+#include "base/text/text.h"
+#include "tools/motion_files/lines.h"
+#include "tools/motion_files/readers.h"
+#include "tools/motion_files/roboplus_page.h"
+
+namespace koboshi::tools {
+namespace {
+
+bool is_json(std::string_view text) { return trimmed(text.substr(0, text.find('\n'))).starts_with('{'); }
+
+bool has(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }
+
+// The first line that is neither empty nor a comment.
+std::string_view first_line(std::string_view text) {
+  std::string_view line;
+  while (take_line(text, line)) {
+    line = trimmed(line);
+    if (!line.empty() && !line.starts_with("//")) return line;
+  }
+  return {};
+}
+
+bool is_table(std::string_view header) {
+  for (const char separator : {',', ';', '\t'}) {
+    const auto columns = split(header, separator);
+    if (columns.size() < 2) continue;
+    std::string first(columns.front());
+    std::ranges::transform(first, first.begin(),
+                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    constexpr std::array<std::string_view, 6> kTimes{"t", "time", "time_s", "time_ms", "t_s", "t_ms"};
+    if (std::ranges::find(kTimes, first) != kTimes.end()) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string name_of(MotionFormat format) {
+  switch (format) {
+    case MotionFormat::kWebots:
+      return "a motion of Webots";
+    case MotionFormat::kCsv:
+      return "a table of joint angles";
+    case MotionFormat::kBitBots:
+      return "an animation of the Bit-Bots";
+    case MotionFormat::kBold:
+      return "a motion script of bold-humanoid";
+    case MotionFormat::kPoseSeq:
+      return "a pose sequence of Choreonoid";
+    case MotionFormat::kRoboplusText:
+      return "a motion file of ROBOTIS RoboPlus";
+    case MotionFormat::kRoboplusPages:
+      return "motion pages of ROBOTIS";
+  }
+  return "a motion";
+}
+
+std::optional<MotionFormat> recognise(std::string_view bytes) {
+  if (is_roboplus_pages(bytes)) return MotionFormat::kRoboplusPages;
+  const std::string text = with_line_feeds(bytes);
+  const std::string_view first = first_line(text);
+  if (first.starts_with("#WEBOTS_MOTION")) return MotionFormat::kWebots;
+  if (has(text, "page_begin") && has(text, "step=")) return MotionFormat::kRoboplusText;
+  if (is_json(first)) {
+    if (has(text, "\"keyframes\"") && has(text, "\"goals\"")) return MotionFormat::kBitBots;
+    if (has(text, "\"stages\"") && has(text, "\"keyFrames\"")) return MotionFormat::kBold;
+    return std::nullopt;
+  }
+  if (has(text, "PoseSeq") && has(text, "refs:")) return MotionFormat::kPoseSeq;
+  if (is_table(first)) return MotionFormat::kCsv;
+  return std::nullopt;
+}
+
+std::vector<ForeignMotion> read_foreign_motions(const std::filesystem::path& file, std::string_view bytes) {
+  const auto format = recognise(bytes);
+  if (!format)
+    throw InputError(file, 0, "a file of no known format",
+                     "a motion of Webots, ROBOTIS (.mtn, .bin), Choreonoid (.pseq), Bit-Bots or "
+                     "bold-humanoid (JSON), or a "
+                     "table (CSV)");
+  if (*format == MotionFormat::kRoboplusPages) return read_roboplus_pages(file, bytes);
+  const std::string text = with_line_feeds(bytes);
+  switch (*format) {
+    case MotionFormat::kWebots:
+      return {read_webots(file, text)};
+    case MotionFormat::kCsv:
+      return {read_csv_motion(file, text)};
+    case MotionFormat::kBitBots:
+      return {read_bit_bots(file, text)};
+    case MotionFormat::kBold:
+      return {read_bold(file, text)};
+    case MotionFormat::kPoseSeq:
+      return {read_pose_seq(file, text)};
+    default:
+      return read_roboplus_text(file, text);
+  }
+}
+
+}  // namespace koboshi::tools
