@@ -44,7 +44,7 @@ if(KOBOSHI_SIMULATION)
   if(TARGET koboshi_python)
     # Where Debian's Python finds the modules of packages, below the prefix /usr.
     install(TARGETS koboshi_python LIBRARY DESTINATION lib/python3/dist-packages COMPONENT python OPTIONAL)
-    install(FILES simulation/python/koboshi.pyi DESTINATION lib/python3/dist-packages COMPONENT python)
+    install(FILES simulation/python/koboshi.pyi simulation/python/koboshi_env.py DESTINATION lib/python3/dist-packages COMPONENT python)
   endif()
 endif()
 

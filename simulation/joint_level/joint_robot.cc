@@ -106,11 +106,12 @@ JointRobot::JointRobot(std::shared_ptr<const JointScenario> prepared, std::uint6
   power_on();
 }
 
-void JointRobot::reset(std::uint64_t seed) {
+void JointRobot::reset(std::uint64_t seed, std::uint64_t until_us) {
   power_.reset();
   scenario_.seed = seed;
   ++run_;
   power_on();
+  while (now_us() < until_us) step(hal::kControlPeriod_us / hal::kServicePeriod_us);
 }
 
 void JointRobot::power_on() {
@@ -217,6 +218,10 @@ std::string JointRobot::fault() const {
   std::string text = fmt::format("the drive of {} {}", robot().joints[fault.joint].name, text_of(fault.kind));
   if (fault.error_code != 0) text += fmt::format(" (error code {:04X})", fault.error_code);
   return text;
+}
+
+double JointRobot::tilt_rad() const {
+  return std::acos(std::clamp(board().world().body(0).X_WL.linear()(2, 2), -1.0, 1.0));
 }
 
 GroundTruth JointRobot::truth() const {

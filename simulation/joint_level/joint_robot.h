@@ -58,9 +58,9 @@ class JointRobot {
   JointRobot(const JointRobot&) = delete;
   JointRobot& operator=(const JointRobot&) = delete;
 
-  // Restarts the scenario with another seed, with the same bits as a new robot. Saved states are then of no
-  // use.
-  void reset(std::uint64_t seed);
+  // Restarts the scenario with another seed, with the same bits as a new robot, and holds the pose in which
+  // the drives were enabled until this simulated time, if it is later. Saved states are then of no use.
+  void reset(std::uint64_t seed, std::uint64_t until_us = 0);
 
   // Targets of all joints in rad; a joint's limits bound them. Throws std::invalid_argument, naming the
   // joint, for one that is not finite, and for another number of targets than of joints.
@@ -83,6 +83,10 @@ class JointRobot {
   [[nodiscard]] std::vector<std::array<double, 6>> imu_samples() const;
   // The first fault of a drive in a sentence, or empty.
   [[nodiscard]] std::string fault() const;
+  // When the scenario's stand releases the robot; 0: it has none.
+  [[nodiscard]] std::uint64_t release_us() const { return scenario_.initial.release_us.value_or(0); }
+  // Angle of the trunk's z axis from the vertical, ground truth.
+  [[nodiscard]] double tilt_rad() const;
   [[nodiscard]] bool enabled() const { return power_->master.enabled() && !power_->master.fault(); }
   // Computes the ground truth of the present instant, without quantities that depend on the history.
   [[nodiscard]] GroundTruth truth() const;

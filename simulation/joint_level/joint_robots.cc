@@ -43,9 +43,9 @@ void JointRobots::observe(std::span<double> observations) const {
     robots_[robot]->observe(row(observations, robot));
 }
 
-void JointRobots::reset(std::span<const Restart> restarts) {
+void JointRobots::reset(std::span<const Restart> restarts, std::uint64_t until_us) {
   workers_.run(restarts.size(),
-               [&](std::size_t i) { robots_.at(restarts[i].robot)->reset(restarts[i].seed); });
+               [&](std::size_t i) { robots_.at(restarts[i].robot)->reset(restarts[i].seed, until_us); });
 }
 
 }  // namespace koboshi::simulation

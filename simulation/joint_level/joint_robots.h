@@ -27,12 +27,12 @@ class JointRobots {
   // still complete their step; the exception of the first failed robot, in order, is then rethrown.
   void step(std::span<const double> targets_rad, std::size_t milliseconds, std::span<double> observations);
   void observe(std::span<double> observations) const;
-  // Restarts these robots, each with a seed of its own, in parallel.
+  // Restarts these robots as JointRobot::reset does, each with a seed of its own, in parallel.
   struct Restart {
     std::size_t robot = 0;
     std::uint64_t seed = 0;
   };
-  void reset(std::span<const Restart> restarts);
+  void reset(std::span<const Restart> restarts, std::uint64_t until_us = 0);
 
  private:
   std::span<double> row(std::span<double> observations, std::size_t robot) const;

@@ -5,6 +5,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -12,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "base/text/text.h"
 #include "simulation/batch/parallel.h"
 #include "simulation/joint_level/joint_robots.h"
 #include "simulation/python/arguments.h"
@@ -66,6 +68,12 @@ TrueWorld true_world(const JointRobot& robot) {
   return {robot.truth(), robot.board().world(), robot.robot(), robot.now_us()};
 }
 
+std::uint64_t time_us(double time_s) {
+  if (!(time_s >= 0.0 && time_s <= 1e6))
+    throw std::invalid_argument("until_s: found " + number_text(time_s) + ", expected a time of 0 s or more");
+  return static_cast<std::uint64_t>(std::llround(1e6 * time_s));
+}
+
 struct RobotSnapshot {
   JointRobot::Saved saved;
   std::uint64_t time_us = 0;
@@ -95,11 +103,11 @@ class PyRobot {
     const Exclusive exclusive(busy_);
     return row();
   }
-  py::array_t<double> reset(const std::optional<std::uint64_t>& seed) {
+  py::array_t<double> reset(const std::optional<std::uint64_t>& seed, double until_s) {
     const Exclusive exclusive(busy_);
     {
       const py::gil_scoped_release unlocked;
-      robot_.reset(seed.value_or(robot_.seed()));
+      robot_.reset(seed.value_or(robot_.seed()), time_us(until_s));
     }
     return row();
   }
@@ -156,7 +164,7 @@ class PyRobots {
     return rows;
   }
   py::array_t<double> reset(const std::optional<Mask>& mask,
-                            const std::optional<std::vector<std::uint64_t>>& seeds) {
+                            const std::optional<std::vector<std::uint64_t>>& seeds, double until_s) {
     const Exclusive exclusive(busy_);
     if (mask) check_shape(*mask, "mask", {count()});
     if (seeds && seeds->size() != size())
@@ -169,7 +177,7 @@ class PyRobots {
     py::array_t<double> rows = empty();
     {
       const py::gil_scoped_release unlocked;
-      robots_.reset(restarts);
+      robots_.reset(restarts, time_us(until_s));
       robots_.observe({rows.mutable_data(), static_cast<std::size_t>(rows.size())});
     }
     return rows;
@@ -223,9 +231,9 @@ Other arguments are those of Simulation.)")
 Without targets the last ones stay. Raises InputError for a target that is not finite, and WorldBlewUp if the physics state
 is no longer finite. Other Python threads run during the call.)")
       .def("observation", &PyRobot::observation, "Returns the present observation: a row of numbers.")
-      .def("reset", &PyRobot::reset, "seed"_a = py::none(),
-           "Restarts with this seed, by default the present one, boots the drives, and returns the "
-           "observation.")
+      .def("reset", &PyRobot::reset, "seed"_a = py::none(), py::kw_only(), "until_s"_a = 0.0,
+           "Restarts with this seed, by default the present one, boots the drives, holds the pose that they "
+           "found until this simulated time, and returns the observation.")
       .def(
           "limit_torques",
           [](PyRobot& self, const Array& shares) {
@@ -283,6 +291,12 @@ is no longer finite. Other Python threads run during the call.)")
           "Raises RuntimeError "
           "for a snapshot from before a reset().")
       .def_property_readonly(
+          "release_s", [](PyRobot& self) { return 1e-6 * static_cast<double>(self.idle().release_us()); },
+          "When the scenario's stand releases the robot; 0: there is none.")
+      .def_property_readonly(
+          "tilt_rad", [](PyRobot& self) { return self.idle().tilt_rad(); },
+          "Angle of the trunk's z axis from the vertical now, ground truth.")
+      .def_property_readonly(
           "layout", [](PyRobot& self) { return layout(self.idle()); },
           "The slice of each quantity in an observation, by its name, which ends with the unit.")
       .def_property_readonly(
@@ -328,10 +342,10 @@ threads: number of threads; default: one per core.)")
            "the others complete "
            "the step, and the first error is raised.")
       .def("observations", &PyRobots::observations, "Robot.observation of all, by robot.")
-      .def("reset", &PyRobots::reset, "mask"_a = py::none(), "seeds"_a = py::none(),
+      .def("reset", &PyRobots::reset, "mask"_a = py::none(), "seeds"_a = py::none(), py::kw_only(),
+           "until_s"_a = 0.0,
            "Restarts the robots whose element of the mask is true, by default all, with their seeds of this "
-           "list, by default "
-           "their present ones. Returns the observations of all.")
+           "list, by default their present ones, as Robot.reset does. Returns the observations of all.")
       .def(
           "push",
           [](PyRobots& self, const py::object& force_N, double duration_s,
@@ -352,6 +366,17 @@ threads: number of threads; default: one per core.)")
             return types.truth(worlds, true);
           },
           "Robot.truth with an additional leading dimension in every field: the robot.")
+      .def_property_readonly(
+          "release_s", [](PyRobots& self) { return 1e-6 * static_cast<double>(self.first().release_us()); },
+          "As of Robot.")
+      .def_property_readonly(
+          "tilt_rad",
+          [](PyRobots& self) {
+            py::array_t<double> tilts(static_cast<py::ssize_t>(self.size()));
+            for (std::size_t i = 0; i < self.size(); ++i) tilts.mutable_data()[i] = self.idle(i).tilt_rad();
+            return tilts;
+          },
+          "Robot.tilt_rad of each.")
       .def_property_readonly(
           "faults",
           [](PyRobots& self) {

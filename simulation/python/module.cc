@@ -64,6 +64,15 @@ py::array frames_array(const std::vector<BusFrame>& frames) {
   return array;
 }
 
+using Events = std::vector<std::pair<double, std::string>>;
+
+Events events_of(const WatchedSimulation& world) {
+  Events events;
+  for (const RunEvent& event : world.recorder().events().events())
+    events.emplace_back(1e-6 * static_cast<double>(event.time_us), event.text);
+  return events;
+}
+
 class PySimulation {
  public:
   PySimulation(const std::filesystem::path& scenario, const std::optional<std::uint64_t>& seed,
@@ -123,6 +132,13 @@ class PyBatch {
   void reset(std::size_t world, std::uint64_t seed) {
     const Exclusive exclusive(busy_);
     batch_.reset(world, seed);
+  }
+  void restore(const std::vector<const Snapshot*>& snapshots) {
+    const Exclusive exclusive(busy_);
+    if (snapshots.size() != batch_.size())
+      throw std::invalid_argument("found " + std::to_string(snapshots.size()) + " snapshots, expected " +
+                                  std::to_string(batch_.size()) + ", one for each simulation");
+    for (std::size_t i = 0; i < batch_.size(); ++i) batch_.at(i).restore(*snapshots[i]);
   }
   WatchedSimulation& idle(std::size_t world) {
     const Exclusive exclusive(busy_);
@@ -255,13 +271,7 @@ docs/reference/parameters.md lists the keys. Later commands are sent after the c
 
 A structured array with the fields time_us (end of the last bit), identifier, size, remote and data (8 bytes).)")
       .def(
-          "events",
-          [](PySimulation& self) {
-            std::vector<std::pair<double, std::string>> events;
-            for (const RunEvent& event : self.idle().recorder().events().events())
-              events.emplace_back(1e-6 * static_cast<double>(event.time_us), event.text);
-            return events;
-          },
+          "events", [](PySimulation& self) { return events_of(self.idle()); },
           "Returns the events of the run (docs/reference/events.md) as pairs of a time in seconds and a "
           "sentence.")
       .def_property_readonly(
@@ -348,7 +358,51 @@ threads: number of threads; default: one per core.)")
           "Simulation.state with an additional leading dimension in every field: the simulation.")
       .def(
           "truth", [types](PyBatch& self) { return types.truth(self.all(), true); },
-          "Simulation.truth with an additional leading dimension in every field: the simulation.");
+          "Simulation.truth with an additional leading dimension in every field: the simulation.")
+      .def(
+          "events",
+          [](PyBatch& self) {
+            std::vector<Events> events;
+            for (const WatchedSimulation* world : self.all()) events.push_back(events_of(*world));
+            return events;
+          },
+          "Simulation.events of each simulation, in a list.")
+      .def(
+          "snapshot",
+          [](PyBatch& self) {
+            std::vector<Snapshot> snapshots;
+            for (std::size_t i = 0; i < self.size(); ++i) snapshots.push_back(self.idle(i).snapshot());
+            return snapshots;
+          },
+          "Simulation.snapshot of each simulation, in a list.")
+      .def(
+          "restore", &PyBatch::restore, "snapshots"_a,
+          "Returns all simulations to their snapshots, a list as snapshot() makes it. Raises RuntimeError as "
+          "Simulation.restore does.")
+      .def_property_readonly(
+          "verdicts",
+          [](PyBatch& self) {
+            std::vector<std::string> verdicts;
+            for (const WatchedSimulation* world : self.all())
+              verdicts.push_back(world->recorder().events().verdict());
+            return verdicts;
+          },
+          "Simulation.verdict of each simulation.")
+      .def_property_readonly(
+          "time_s",
+          [](PyBatch& self) {
+            std::vector<double> times_s;
+            for (const WatchedSimulation* world : self.all())
+              times_s.push_back(1e-6 * static_cast<double>(world->now_us()));
+            return py::array_t<double>(static_cast<py::ssize_t>(times_s.size()), times_s.data());
+          },
+          "Simulated time of each simulation in seconds, an array.")
+      .def_property_readonly(
+          "joint_names", [](PyBatch& self) { return self.idle(0).simulation().robot().joint_names(); },
+          "Names of the joints, in the order of all arrays by joint.")
+      .def_property_readonly(
+          "link_names", [](PyBatch& self) { return self.idle(0).simulation().robot().link_names(); },
+          "Names of the links, in the order of all arrays by link. The first one is the trunk.");
 }
 
 }  // namespace
@@ -384,6 +438,7 @@ PYBIND11_MODULE(koboshi, module) {
       "The physics state gained energy or is no longer finite.";
   py::register_exception<SdoFailed>(module, "SdoFailed", PyExc_RuntimeError).doc() =
       "The controller rejected a value.";
+  module.attr("__version__") = KOBOSHI_VERSION;
   const ObservationTypes types = define_observations(module);
   define_simulation(module, types);
   define_batch(module, types);

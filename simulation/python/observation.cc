@@ -119,6 +119,14 @@ const std::vector<Field<WatchedSimulation>>& state_fields() {
            *to++ = zmp.valid ? zmp.y_m : kNotANumber;
          }
        }},
+      {"zmp_m",
+       {2},
+       "x and y of the ZMP of both feet, in the frame of the sole with more load; nan: invalid",
+       [](const auto& world, double* to) {
+         const Telemetry::Zmp& zmp = said(world).zmp;
+         *to++ = zmp.valid ? zmp.x_m : kNotANumber;
+         *to++ = zmp.valid ? zmp.y_m : kNotANumber;
+       }},
       {"com_m",
        {3},
        "centre of mass from the joint angles, in the frame of the sole with more load",

@@ -173,6 +173,18 @@ class Simulations(unittest.TestCase):
         alone = go(seed=1)
         alone.step(100)
         np.testing.assert_array_equal(truth.link_position_m[1], alone.truth().link_position_m)
+        self.assertEqual(state.zmp_m.shape, (3, 2))
+        self.assertEqual(len(sims.verdicts), 3)
+        self.assertEqual(sims.verdicts[1], alone.verdict)
+        self.assertEqual(sims.events()[1], alone.events())
+        self.assertEqual((sims.joint_names, sims.link_names), (alone.joint_names, alone.link_names))
+        snapshots = sims.snapshot()
+        sims.step(20)
+        np.testing.assert_allclose(sims.time_s, [0.12] * 3)
+        sims.restore(snapshots)
+        np.testing.assert_allclose(sims.time_s, [0.1] * 3)
+        with self.assertRaisesRegex(koboshi.InputError, "one for each simulation"):
+            sims.restore(snapshots[:2])
         sims.push([0, 0, 5], 0.05, world=2)
         sims.step(50)
         alone.step(50)
@@ -269,6 +281,7 @@ class Stubs(unittest.TestCase):
                 elif node.name.startswith(("Simulation", "Robot")):
                     stub = {item.name for item in node.body if isinstance(item, ast.FunctionDef)} - {"__init__", "__len__"}
                     self.assertEqual(stub, {name for name in vars(actual) if not name.startswith("_")})
+        self.assertRegex(koboshi.__version__, r"^\d+\.\d+\.\d+$")
         classes = {node.name for node in tree.body if isinstance(node, ast.ClassDef)}
         self.assertEqual(classes, {name for name in vars(koboshi) if not name.startswith("_")})
 
