@@ -29,6 +29,7 @@ AddCommand add_gait_command;
 AddCommand add_tune_command;
 AddCommand add_dictionary_command;
 AddCommand add_bench_command;
+AddCommand add_bring_up_command;
 AddCommand add_servo_command;
 AddCommand add_experiment_command;
 AddCommand add_validate_command;
@@ -40,7 +41,7 @@ inline constexpr AddCommand* kCommands[] = {
     add_board_command,         add_can_command,        add_firmware_command, add_diff_command,
     add_target_report_command, add_model_command,      add_motion_command,   add_gait_command,
     add_tune_command,          add_dictionary_command, add_bench_command,    add_servo_command,
-    add_experiment_command,    add_validate_command,   add_manual_command};
+    add_experiment_command,    add_validate_command,   add_bring_up_command, add_manual_command};
 
 // Commands below `koboshi can`.
 AddCommand add_can_dump_command;

@@ -111,7 +111,8 @@ class MapFile {
     for (const auto& [name, entry] : entries_) {
       const bool same = name == joint.name || (joint.servo_id && name == std::to_string(*joint.servo_id));
       if (!same) continue;
-      mapped = entry.ignored ? std::nullopt : std::optional(ticks ? entry.in_ticks : entry.in_rad);
+      mapped.reset();
+      if (!entry.ignored) mapped = ticks ? entry.in_ticks : entry.in_rad;
       return true;
     }
     return false;

@@ -1,0 +1,72 @@
+#include "cli/commands.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "base/file/standard_streams.h"
+#include "cli/lab/session.h"
+#include "lab/bring_up/ladder.h"
+#include "simulation/batch/parallel.h"
+#include "simulation/scenario/paths.h"
+
+namespace koboshi::tools {
+namespace {
+
+struct BringUpArguments {
+  BringUpOptions options{.robot = {}, .reference = "robots/koboshi/robot.sdf", .command = {}};
+  double budget_min = 10.0;
+};
+
+int climb(BringUpArguments arguments, const Invocation& invocation) {
+  BringUpOptions& options = arguments.options;
+  options.robot = simulation::find_input(simulation::InputKind::kRobot, options.robot);
+  options.reference = simulation::find_input(simulation::InputKind::kRobot, options.reference);
+  options.budget_s = 60.0 * arguments.budget_min;
+  options.command = invocation.command_line;
+  const BringUpResult result =
+      bring_up(options, [](const std::string& line) { print_error("koboshi: bring-up: {}\n", line); });
+  fmt::print("{}", ladder_text(result));
+  for (const std::filesystem::path& file : result.files) fmt::print("{}\n", file.string());
+  const bool failed = std::ranges::any_of(
+      result.rungs, [](const Rung& rung) { return rung.result == Rung::Result::kFailed; });
+  return failed ? 1 : 0;
+}
+
+}  // namespace
+
+void add_bring_up_command(CLI::App& program, Invocation& invocation) {
+  auto arguments = std::make_shared<BringUpArguments>();
+  BringUpOptions& options = arguments->options;
+  options.jobs = simulation::core_count();
+  CLI::App* command =
+      program.add_subcommand("bring-up", "From the model of a robot to one that stands and walks");
+  command->footer(
+      "Scales the parameters of a robot that walks to this one, makes its standing pose, and climbs a "
+      "ladder: loads, hangs,\n"
+      "stands, squats, steps on the spot, walks forward, sideways, and turns. Where the scaled values do not "
+      "carry the\n"
+      "robot, a search tries others. Files go to the robot's folder; bring-up.md has the figure of each "
+      "rung. Exit status\n"
+      "1 if a rung fails.\n\n"
+      "Examples:\n"
+      "  koboshi bring-up robots/kit\n"
+      "  koboshi bring-up robots/kit --budget 5 --stepper mujoco\n");
+  command->add_option("ROBOT", options.robot, "The robot's folder, file or name")->required();
+  command->add_option("--reference", options.reference, "A robot that walks, whose parameters are scaled")
+      ->capture_default_str();
+  add_stepper_option(*command, options.stepper, "Stepper of the physics");
+  command
+      ->add_option("--world", options.world,
+                   "Worlds in which the robots are tried (docs/reference/worlds.md)")
+      ->capture_default_str();
+  add_number(*command, "--seeds", options.seeds, 1, 1000, "Robots that each rung has to carry");
+  command->add_option("--first-seed", options.first_seed, "Seed of the first of them")->capture_default_str();
+  add_number(*command, "--budget", arguments->budget_min, 0.0, 1000.0, "Time for searches in minutes");
+  add_jobs_option(*command, options.jobs);
+  command->callback([arguments, &invocation] { invocation.exit_status = climb(*arguments, invocation); });
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "sim_board/description/description.h"
+#include "simulation/model/robot_model.h"
+#include "simulation/scenario/scenario.h"
+
+namespace koboshi::tools {
+
+// What the walk of a robot depends on, measured at joint angles zero.
+struct BodyMeasures {
+  double leg_m = 0.0;          // from the sole to the hip's pitch axis
+  double com_m = 0.0;          // height of the centre of mass above the soles
+  double stance_m = 0.0;       // between the middles of the soles
+  double sole_width_m = 0.0;   // of both soles together, side by side: the least distance of their middles
+  double sole_middle_m = 0.0;  // x of the middle of a sole, in front of the ankle
+  double weight_N = 0.0;
+  // Torque of the weaker of knee and ankle pitch for an error of its position, until the full voltage.
+  double stiffness_Nm_per_rad = 0.0;
+};
+
+// Throws InputError, naming what is missing, for a robot whose legs cannot walk.
+[[nodiscard]] BodyMeasures measure(const sim_board::RobotDescription& robot);
+
+// Parameters and the standing pose for a robot that nobody has tuned: those of a robot that walks, scaled by
+// dynamic similarity (R. McN. Alexander, "Estimates of speeds of dinosaurs", 1976: equal Froude numbers) and
+// fitted to the reach of the legs.
+//   lengths        by the leg's length, the step's width by the distance of the feet
+//   times, speeds  by the square root of the leg's length
+//   sag            by the weight over the stiffness of the servos
+struct StartValues {
+  simulation::RobotParameters parameters;
+  double com_height_m = 0.0;
+  double step_width_m = 0.0;
+  double com_forward_m = 0.0;  // of the standing pose, in front of the ankles
+  double time_scale = 1.0;     // of the reference's times
+
+  // Returns the value of a parameter; 0 if it is not set.
+  [[nodiscard]] double value(const std::string& key) const;
+};
+
+// Multiplies values of the reference before they are fitted; a search tries others than 1.
+struct StartFactors {
+  double com_height = 1.0;
+  double step_time = 1.0;
+  double compliance = 1.0;
+  double trunk_pitch_deg = 0.0;  // added
+};
+
+// Throws InputError, with the limit, if no gait fits the legs.
+[[nodiscard]] StartValues scaled_values(const simulation::RobotParameters& reference,
+                                        const BodyMeasures& from, const sim_board::RobotDescription& robot,
+                                        const simulation::NamedModel& model,
+                                        const StartFactors& factors = {});
+
+// The texts of parameters.yaml and of the motions `stand` and `squat`, which compile for this robot. `origin`
+// is named in their first lines. Throws InputError if the legs do not reach the pose.
+[[nodiscard]] std::string parameters_text(const StartValues& values, const std::string& origin);
+struct StandingPose {
+  std::string stand_text;
+  std::string squat_text;
+  std::string joints_text;  // the pose's angles as a map of YAML, in degrees
+};
+[[nodiscard]] StandingPose standing_pose(const StartValues& values, const simulation::NamedModel& model,
+                                         const std::string& origin);
+
+}  // namespace koboshi::tools
