@@ -29,7 +29,8 @@ const std::map<std::string, std::string>& placeholders() {
       {"--steppers", "NAME"},      {"--storage", "FILE"},     {"--time-constant-s", "SECONDS"},
       {"--type", "NAME"},          {"--with", "RUN"},         {"--walk", "SECONDS"},
       {"--interface", "NAME"},     {"--name", "NAME"},        {"--plant", "KEY=VALUE"},
-      {"--world", "NAME"},         {"--axes", "NAME"},        {"--factors", "NAME"}};
+      {"--world", "NAME"},         {"--axes", "NAME"},        {"--factors", "NAME"},
+      {"--reference", "FILE"},     {"--budget", "MINUTES"}};
   return kPlaceholders;
 }
 

@@ -16,16 +16,15 @@ namespace koboshi::tools {
 namespace {
 
 struct BringUpArguments {
-  BringUpOptions options{.robot = {}, .reference = "robots/koboshi/robot.sdf", .command = {}};
+  BringUpOptions options{.robot = {}, .reference = "robots/koboshi/robot.sdf"};
   double budget_min = 10.0;
 };
 
-int climb(BringUpArguments arguments, const Invocation& invocation) {
+int climb(BringUpArguments arguments) {
   BringUpOptions& options = arguments.options;
   options.robot = simulation::find_input(simulation::InputKind::kRobot, options.robot);
   options.reference = simulation::find_input(simulation::InputKind::kRobot, options.reference);
   options.budget_s = 60.0 * arguments.budget_min;
-  options.command = invocation.command_line;
   const BringUpResult result =
       bring_up(options, [](const std::string& line) { print_error("koboshi: bring-up: {}\n", line); });
   fmt::print("{}", ladder_text(result));
@@ -51,9 +50,8 @@ void add_bring_up_command(CLI::App& program, Invocation& invocation) {
       "robot, a search tries others. Files go to the robot's folder; bring-up.md has the figure of each "
       "rung. Exit status\n"
       "1 if a rung fails.\n\n"
-      "Examples:\n"
-      "  koboshi bring-up robots/kit\n"
-      "  koboshi bring-up robots/kit --budget 5 --stepper mujoco\n");
+      "Example:\n"
+      "  koboshi bring-up robots/kit\n");
   command->add_option("ROBOT", options.robot, "The robot's folder, file or name")->required();
   command->add_option("--reference", options.reference, "A robot that walks, whose parameters are scaled")
       ->capture_default_str();
@@ -65,8 +63,11 @@ void add_bring_up_command(CLI::App& program, Invocation& invocation) {
   add_number(*command, "--seeds", options.seeds, 1, 1000, "Robots that each rung has to carry");
   command->add_option("--first-seed", options.first_seed, "Seed of the first of them")->capture_default_str();
   add_number(*command, "--budget", arguments->budget_min, 0.0, 1000.0, "Time for searches in minutes");
+  command->add_option("--until", options.until, "The last rung to try")
+      ->type_name("RUNG")
+      ->check(CLI::IsMember(rung_names()));
   add_jobs_option(*command, options.jobs);
-  command->callback([arguments, &invocation] { invocation.exit_status = climb(*arguments, invocation); });
+  command->callback([arguments, &invocation] { invocation.exit_status = climb(*arguments); });
 }
 
 }  // namespace koboshi::tools

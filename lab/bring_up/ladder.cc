@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -48,15 +49,22 @@ struct Played {
   std::string touching;  // what the event log says of links that touch
 };
 
+// A time limit.
 class Clock {
  public:
-  explicit Clock(double budget_s)
-      : end_(std::chrono::steady_clock::now() +
-             std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                 std::chrono::duration<double>(budget_s))) {}
-  bool is_over() const { return std::chrono::steady_clock::now() >= end_; }
+  explicit Clock(double budget_s) : end_(std::chrono::steady_clock::now() + duration(budget_s)) {}
+  [[nodiscard]] bool is_over() const { return std::chrono::steady_clock::now() >= end_; }
+  // One with half of the time that is left.
+  [[nodiscard]] Clock half() const {
+    return Clock(0.5 * std::chrono::duration<double>(end_ - std::chrono::steady_clock::now()).count());
+  }
 
  private:
+  static std::chrono::steady_clock::duration duration(double time_s) {
+    return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+        std::chrono::duration<double>(time_s));
+  }
+
   std::chrono::steady_clock::time_point end_;
 };
 
@@ -135,21 +143,14 @@ class Ladder {
         robot_(sim_board::load_robot(options.robot)),
         reference_(simulation::read_robot_parameters(options.reference)),
         reference_body_(measure(sim_board::load_robot(options.reference))),
-        origin_("Written by " +
-                (options.command.empty() ? std::string("koboshi bring-up") : options.command)) {}
+        origin_("Written by koboshi bring-up") {}
 
   BringUpResult run() {
-    using Climb = void (Ladder::*)(Rung&);
-    constexpr std::array<std::pair<const char*, Climb>, 8> kRungs{{{"loads", &Ladder::load},
-                                                                   {"hangs", &Ladder::hang},
-                                                                   {"stands", &Ladder::stand},
-                                                                   {"squats", &Ladder::squat},
-                                                                   {"steps on the spot", &Ladder::march},
-                                                                   {"walks forward", &Ladder::walk},
-                                                                   {"walks sideways", &Ladder::sidestep},
-                                                                   {"turns", &Ladder::turn}}};
+    for (const char* name :
+         {"parameters.yaml", "motions/stand.yaml", "motions/squat.yaml", "go.yaml", "bring-up.md"})
+      check_writable(folder_ / name);
     bool going = true;
-    for (const auto& [name, climb] : kRungs) {
+    for (const auto& [name, climb] : rungs()) {
       Rung rung{.name = name, .figure = {}, .cause = {}};
       if (going) {
         progress_(rung.name);
@@ -158,7 +159,7 @@ class Ladder {
         } catch (const InputError& error) {
           fail(rung, error.what());
         }
-        going = rung.result == Rung::Result::kReached;
+        going = rung.result == Rung::Result::kReached && options_.until != name;
         progress_(fmt::format("{}: {}", rung.name,
                               rung.result == Rung::Result::kFailed ? rung.cause : rung.figure));
       }
@@ -174,6 +175,18 @@ class Ladder {
     return std::move(result_);
   }
 
+  using Climb = void (Ladder::*)(Rung&);
+  static std::array<std::pair<const char*, Climb>, 8> rungs() {
+    return {{{"loads", &Ladder::load},
+             {"hangs", &Ladder::hang},
+             {"stands", &Ladder::stand},
+             {"squats", &Ladder::squat},
+             {"steps on the spot", &Ladder::march},
+             {"walks forward", &Ladder::walk},
+             {"walks sideways", &Ladder::sidestep},
+             {"turns", &Ladder::turn}}};
+  }
+
  private:
   static void fail(Rung& rung, const std::string& cause) {
     rung.result = Rung::Result::kFailed;
@@ -186,13 +199,16 @@ class Ladder {
 
   // --- Files
 
-  void write(const std::string& name, const std::string& text) {
-    const std::filesystem::path file = folder_ / name;
+  static void check_writable(const std::filesystem::path& file) {
     std::error_code missing;
     if (std::filesystem::exists(file, missing) &&
         read_text_file(file, "a file").find("Written by ") == std::string::npos)
       throw InputError(file, 0, "a file that bring-up has not written",
                        "none, or one of an earlier bring-up: move it away");
+  }
+
+  void write(const std::string& name, const std::string& text) {
+    const std::filesystem::path file = folder_ / name;
     std::filesystem::create_directories(file.parent_path());
     write_whole_file(file, text);
     if (std::ranges::find(result_.files, file) == result_.files.end()) result_.files.push_back(file);
@@ -251,16 +267,16 @@ class Ladder {
         std::ranges::count_if(all, [&](const Played& one) { return one.lost || one.state != state; }));
   }
   std::string cause_of(const std::vector<Played>& all, State state) const {
+    std::string cause = "it is not lost";
     for (const Played& one : all) {
-      if (!one.touching.empty()) return one.touching;
+      if (!one.lost && one.state == state) continue;
+      cause = one.lost ? fmt::format("{} of {} robots fall, the first {:.1f} s after the command",
+                                     losses(all, state), all.size(), one.at_s)
+                       : fmt::format("the robot is {}: {}", name_of(one.state), one.reason);
+      if (!one.touching.empty()) cause += "; " + one.touching;
+      break;
     }
-    for (const Played& one : all) {
-      if (one.lost)
-        return fmt::format("{} of {} robots fall, the first {:.1f} s after the command", losses(all, state),
-                           all.size(), one.at_s);
-      if (one.state != state) return fmt::format("the robot is {}: {}", name_of(one.state), one.reason);
-    }
-    return "it is not lost";
+    return cause;
   }
   static double largest(const std::vector<Played>& all, double Played::*member) {
     double value = 0.0;
@@ -332,113 +348,134 @@ class Ladder {
                             all.size(), walk_s(), kDegreesPerRad * largest(all, &Played::lean_rad)));
   }
 
-  // The fastest of eight levels up to the limit at which no robot is lost.
-  std::optional<std::pair<double, std::vector<Played>>> fastest(
-      const std::string& limit, const std::function<std::string(double)>& command) const {
-    const double highest = values_->value(limit) / 1e3;
-    std::optional<std::pair<double, std::vector<Played>>> best;
-    for (int level = 2; level <= 8; ++level) {
-      const double speed = 0.99 * highest * level / 8.0;
-      std::vector<Played> all = play_rung(command(speed), walk_s());
-      if (losses(all, State::kWalking) > 0) break;
-      best = {speed, std::move(all)};
-    }
-    return best;
-  }
-
   static double mean(const std::vector<Played>& all, const std::function<double(const Played&)>& value) {
     double sum = 0.0;
     for (const Played& one : all) sum += value(one);
     return sum / static_cast<double>(all.size());
   }
 
-  void walk(Rung& rung) {
-    const auto command = [](double speed) { return walk_command(speed, 0, 0); };
-    const double wanted = 0.5 * values_->value("highest_velocity_forward_mm_per_s") / 1e3;
-    auto best = fastest("highest_velocity_forward_mm_per_s", command);
-    if (!best || best->first < wanted) {
-      search(wanted);
-      best = fastest("highest_velocity_forward_mm_per_s", command);
+  // A kind of walk: the key of its limit, its command for a speed, and what a robot made good of it. The
+  // limit has the unit of a thousandth of the speed's.
+  struct Walk {
+    const char* limit;
+    std::function<std::string(double)> command;
+    std::function<double(const Played&)> made_good;
+    const char* unit;
+  };
+  static Walk forward() {
+    return {"highest_velocity_forward_mm_per_s", [](double speed) { return walk_command(speed, 0, 0); },
+            [](const Played& one) { return one.speed_m_per_s[0]; }, "m/s"};
+  }
+  static Walk sideways() {
+    return {"highest_velocity_lateral_mm_per_s", [](double speed) { return walk_command(0, speed, 0); },
+            [](const Played& one) { return one.speed_m_per_s[1]; }, "m/s"};
+  }
+  static Walk turning() {
+    return {"highest_turn_mrad_per_s", [](double speed) { return walk_command(0, 0, speed); },
+            [](const Played& one) { return one.turn_rad_per_s; }, "rad/s"};
+  }
+
+  double highest(const Walk& walk) const { return 1e-3 * values_->value(walk.limit); }
+
+  // Climbs levels of an eighth of the limit, from a quarter of it on, while no robot is lost and all make
+  // good half of the speed in the mean. Returns the last speed, or nothing, with the figure or the cause.
+  std::optional<double> fastest(const Walk& walk, Rung& rung) const {
+    constexpr double kLeastShare = 0.5;
+    std::optional<double> best;
+    for (int level = 2; level <= 8; ++level) {
+      const double speed = 0.99 * highest(walk) * level / 8.0;
+      const std::vector<Played> all = play_rung(walk.command(speed), walk_s());
+      const double good = mean(all, walk.made_good);
+      const bool lost = losses(all, State::kWalking) > 0;
+      if (lost || good < kLeastShare * speed) {
+        if (!best)
+          fail(rung,
+               lost ? fmt::format("told {:.3f} {}, {}", speed, walk.unit, cause_of(all, State::kWalking))
+                    : fmt::format("told {:.3f} {}, the robots make good {:.3f}", speed, walk.unit, good));
+        break;
+      }
+      best = speed;
+      reach(rung, fmt::format("{0} of {0} robots told {1:.3f} {3} make good {2:.3f} {3}", all.size(), speed,
+                              good, walk.unit));
     }
-    if (!best) return fail(rung, cause_of(play_rung(command(0.25 * 2 * wanted), walk_s()), State::kWalking));
-    walked_m_per_s_ = best->first;
-    write_values(factors_);
-    reach(rung, fmt::format("{0} of {0} robots told {1:.3f} m/s make good {2:.3f} m/s", best->second.size(),
-                            best->first,
-                            mean(best->second, [](const Played& one) { return one.speed_m_per_s[0]; })));
+    return best;
   }
 
-  void sidestep(Rung& rung) {
-    const auto best =
-        fastest("highest_velocity_lateral_mm_per_s", [](double speed) { return walk_command(0, speed, 0); });
-    if (!best) return fail(rung, "robots fall at a quarter of the scaled limit");
-    reach(rung, fmt::format("{0} of {0} robots told {1:.3f} m/s make good {2:.3f} m/s", best->second.size(),
-                            best->first,
-                            mean(best->second, [](const Played& one) { return one.speed_m_per_s[1]; })));
+  void walk(Rung& rung) {
+    const double wanted = 0.5 * highest(forward());
+    walked_m_per_s_ = fastest(forward(), rung);
+    if (!walked_m_per_s_ || *walked_m_per_s_ < wanted) {
+      search(wanted);
+      walked_m_per_s_ = fastest(forward(), rung);
+    }
+    write_values(factors_);  // go.yaml walks at this speed
   }
-
-  void turn(Rung& rung) {
-    const auto best =
-        fastest("highest_turn_mrad_per_s", [](double speed) { return walk_command(0, 0, speed); });
-    if (!best) return fail(rung, "robots fall or cannot turn at a quarter of the scaled limit");
-    reach(rung,
-          fmt::format("{0} of {0} robots told {1:.2f} rad/s turn by {2:.2f} rad/s", best->second.size(),
-                      best->first, mean(best->second, [](const Played& one) { return one.turn_rad_per_s; })));
-  }
+  void sidestep(Rung& rung) { fastest(sideways(), rung); }
+  void turn(Rung& rung) { fastest(turning(), rung); }
 
   // --- Search
 
-  // Seconds that robots of the search last, in the mean; and what they make good of the speed.
-  double score(double forward_m_per_s) const {
+  struct Score {
+    double value = 0.0;
+    bool carries_all = false;  // no robot is lost
+  };
+
+  // How well robots of the search walk: those that are lost count by how long they last, the others by what
+  // they make good of the speed and how little they lean.
+  Score score(double forward_m_per_s) const {
     constexpr std::size_t kRobots = 3;
     const std::vector<Played> all =
         play_all(walk_command(forward_m_per_s, 0, 0), walk_s(), kSearchSeed, kRobots);
     double sum = 0.0;
     for (const Played& one : all) {
+      const double good = forward_m_per_s > 0.0 ? std::min(1.0, one.speed_m_per_s[0] / forward_m_per_s) : 1.0;
       const bool walks = !one.lost && one.state == State::kWalking;
-      sum += walks ? 1.0 +
-                         0.5 * std::min(1.0, forward_m_per_s > 0.0 ? one.speed_m_per_s[0] / forward_m_per_s
-                                                                   : 1.0) -
-                         one.lean_rad
-                   : std::clamp(one.at_s / walk_s(), 0.0, 1.0) * 0.9;
+      sum += walks ? 1.0 + 0.5 * good - one.lean_rad : 0.9 * std::clamp(one.at_s / walk_s(), 0.0, 1.0);
     }
-    return sum / kRobots;
+    return {sum / kRobots, losses(all, State::kWalking) == 0};
   }
 
+  // Tries other factors, at random and ever closer around the best, until they carry all robots and a number
+  // of candidates has brought nothing more. Half of the time that is left is for it.
   void search(double forward_m_per_s) {
+    constexpr std::size_t kPatience = 25;
+    const Clock clock = clock_.half();
     sim_board::RandomStream random(1, "bring-up");
     StartFactors best = factors_;
-    double best_score = score(forward_m_per_s);
+    Score best_score = score(forward_m_per_s);
     std::size_t since = 0;
-    for (std::size_t i = 0; i < kMostCandidates && !clock_.is_over(); ++i, ++since) {
-      constexpr double kGoodEnough = 1.4;
-      if (best_score > kGoodEnough && since > 15) break;
-      // Wide at first, then around the best.
-      const double width = since > 30 ? 0.3 : 1.0;
-      StartFactors candidate{
-          .com_height = std::clamp(best.com_height + width * (0.16 * random.uniform() - 0.08), 0.85, 1.05),
-          .step_time = std::clamp(best.step_time * (1.0 + width * (0.6 * random.uniform() - 0.3)), 0.6, 1.8),
-          .compliance = std::clamp(best.compliance + width * (1.2 * random.uniform() - 0.6), 0.0, 2.5),
-          .trunk_pitch_deg =
-              std::clamp(best.trunk_pitch_deg + width * (10.0 * random.uniform() - 5.0), -8.0, 12.0)};
+    for (std::size_t i = 0; i < kMostCandidates && !clock.is_over(); ++i, ++since) {
+      if (best_score.carries_all && since >= kPatience) break;
+      const double width = best_score.carries_all ? 0.3 : 1.0;
+      const auto about = [&](double value, double reach, double low, double high) {
+        return std::clamp(value + width * reach * (2.0 * random.uniform() - 1.0), low, high);
+      };
+      const StartFactors candidate{.com_height = about(best.com_height, 0.08, 0.85, 1.05),
+                                   .step_time = about(best.step_time, 0.3, 0.6, 1.8),
+                                   .compliance = about(best.compliance, 0.6, 0.0, 2.5),
+                                   .gains = about(best.gains, 0.6, 0.0, 2.5),
+                                   .trunk_pitch_deg = about(best.trunk_pitch_deg, 5.0, -8.0, 12.0)};
       try {
         write_values(candidate);
       } catch (const InputError&) {
         continue;  // out of the legs' reach
       }
       ++result_.searched;
-      const double candidate_score = score(forward_m_per_s);
-      if (candidate_score <= best_score) continue;
+      const Score candidate_score = score(forward_m_per_s);
+      if (candidate_score.value <= best_score.value) continue;
       best_score = candidate_score;
       best = candidate;
       since = 0;
-      progress_(fmt::format(
-          "search {}: score {:.2f} with CoM height x {:.3f}, step time x {:.3f}, compliance x {:.2f}, lean "
-          "{:+.1f} degrees",
-          i + 1, best_score, best.com_height, best.step_time, best.compliance, best.trunk_pitch_deg));
+      progress_(fmt::format("search {}: score {:.2f} with {}", i + 1, best_score.value, factors_text(best)));
     }
     factors_ = best;
     write_values(best);
+  }
+
+  static std::string factors_text(const StartFactors& factors) {
+    return fmt::format(
+        "CoM height x {:.3f}, step time x {:.3f}, compliance x {:.2f}, gains x {:.2f}, lean {:+.1f} degrees",
+        factors.com_height, factors.step_time, factors.compliance, factors.gains, factors.trunk_pitch_deg);
   }
 
   std::string page() const {
@@ -456,12 +493,8 @@ class Ladder {
     }
     text += fmt::format("\nThe start values are scaled from {}", reference_.robot.text);
     if (result_.searched > 0)
-      text += fmt::format(
-          "; a search over {} candidates multiplied the CoM height by {:.3f}, the step time by {:.3f} and "
-          "the compliance by {:.2f}, and leant the "
-          "trunk by {:+.1f} degrees",
-          result_.searched, factors_.com_height, factors_.step_time, factors_.compliance,
-          factors_.trunk_pitch_deg);
+      text += fmt::format("; a search over {} candidates changed them: {}", result_.searched,
+                          factors_text(factors_));
     return text + ".\n\n    koboshi run go.yaml\n";
   }
 
@@ -485,6 +518,12 @@ class Ladder {
 BringUpResult bring_up(const BringUpOptions& options,
                        const std::function<void(const std::string&)>& progress) {
   return Ladder(options, progress).run();
+}
+
+std::vector<std::string> rung_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, climb] : Ladder::rungs()) names.emplace_back(name);
+  return names;
 }
 
 std::string ladder_text(const BringUpResult& result) {

@@ -28,7 +28,7 @@ struct BringUpOptions {
   std::size_t seeds = 5;    // robots that each rung has to carry
   double budget_s = 600.0;  // of wall time, for searches
   std::size_t jobs = 1;
-  std::string command;  // that is named in the files
+  std::string until{};  // name of the last rung to be tried; empty: all
 };
 
 struct BringUpResult {
@@ -45,6 +45,9 @@ struct BringUpResult {
 // names that it has not written itself.
 [[nodiscard]] BringUpResult bring_up(const BringUpOptions& options,
                                      const std::function<void(const std::string&)>& progress);
+
+// The names of the rungs that bring_up() tries, in order.
+[[nodiscard]] std::vector<std::string> rung_names();
 
 // The result as a table of text.
 [[nodiscard]] std::string ladder_text(const BringUpResult& result);

@@ -91,13 +91,7 @@ void set(RobotParameters& parameters, const std::string& key, double value) {
   }
 }
 
-// The lithium cells of the reference have 3.7 V; other supplies keep its ratios.
-void set_supply(RobotParameters& parameters, const sim_board::RobotDescription& robot) {
-  constexpr double kNominal_V = 7.4;
-  const double supply_V = robot.battery ? robot.battery->open_circuit_V : robot.joints.front().servo.supply_V;
-  for (const char* key : {"lowest_supply_mV", "highest_supply_mV", "low_supply_mV"})
-    multiply(parameters, key, supply_V / kNominal_V);
-}
+constexpr double kMostCompliance_rad_per_m = 3.0;  // the range of object 0x2131
 
 // Changes a value that the robot's body refuses; false for one that cannot be mended.
 bool mend(RobotParameters& parameters, const std::string& refused, const BodyMeasures& body) {
@@ -155,7 +149,7 @@ std::string compiled_angles(const std::string& text, const simulation::NamedMode
   static_cast<void>(simulation::compile_motion(motion, model, diagnostics));
   diagnostics.throw_errors();
   std::string angles;
-  const simulation::PoseSource& pose = motion.poses.back();
+  const simulation::PoseSource& pose = motion.poses.front();
   for (std::size_t joint = 0; joint < pose.angles.size(); ++joint) {
     if (pose.angles[joint])
       angles += fmt::format("{}{}: {:.2f}", angles.empty() ? "" : ", ", model.joint_names[joint],
@@ -169,12 +163,15 @@ bool has_shoulders(const simulation::NamedModel& model) {
          model.model.find(robot::JointRole::kRightShoulderRoll);
 }
 
-std::string motion_head(const StartValues& values, const simulation::NamedModel& model,
-                        const std::string& name, const std::string& origin) {
-  // Arms that hang straight down touch the legs of many robots.
-  return fmt::format("# {}.\nversion: 2\nrobot: {}\nname: {}\nposes:\n  hanging: {{others: zero{}}}\n",
-                     origin, values.parameters.robot.text, name,
-                     has_shoulders(model) ? ", shoulder_roll: 15" : "");
+// The controller goes to the first pose of the first motion when its drives are enabled.
+std::string motion_head(const StartValues& values, const std::string& name, const std::string& origin) {
+  return fmt::format("# {}.\nversion: 2\nrobot: {}\nname: {}\nposes:\n", origin, values.parameters.robot.text,
+                     name);
+}
+
+// Arms that hang straight down touch the legs of many robots.
+std::string hanging_text(const simulation::NamedModel& model) {
+  return fmt::format("  hanging: {{others: zero{}}}\n", has_shoulders(model) ? ", shoulder_roll: 15" : "");
 }
 
 std::string pose_text(const std::string& name, const std::string& from, double com_forward_m,
@@ -221,6 +218,7 @@ BodyMeasures measure(const sim_board::RobotDescription& robot) {
   body.weight_N = robot.total_mass_kg() * sim_board::kGravity_m_per_s2;
   body.stiffness_Nm_per_rad = std::min(stiffness_Nm_per_rad(joint_of(robot, "left_knee").servo),
                                        stiffness_Nm_per_rad(joint_of(robot, "left_ankle_pitch").servo));
+  body.supply_V = robot.battery ? robot.battery->open_circuit_V : robot.joints.front().servo.supply_V;
   if (body.leg_m < 0.02 || body.com_m < 0.02)
     throw InputError(robot.file, robot.line,
                      "hips or a centre of mass that are not above the soles at joint angles zero",
@@ -242,7 +240,8 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
     setting.name.line = 0;
     setting.value *= std::pow(scale, exponent_of(setting.name.text));
   }
-  set_supply(parameters, robot);
+  for (const char* key : {"lowest_supply_mV", "highest_supply_mV", "low_supply_mV"})
+    multiply(parameters, key, body.supply_V / from.supply_V);
   // The plan follows arms and waist; only the reference was tuned without.
   set(parameters, "fixed_upper_body", 0.0);
   set(parameters, "touchdown_load_N", 0.0);
@@ -259,6 +258,13 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
                      (body.stiffness_Nm_per_rad / from.stiffness_Nm_per_rad) * scale * factors.compliance;
   multiply(parameters, "pitch_compliance_rad_per_m", sag);
   multiply(parameters, "roll_compliance_rad_per_m", sag);
+  for (const char* key : {"pitch_compliance_rad_per_m", "roll_compliance_rad_per_m"}) {
+    if (double* compliance = find(parameters, key))
+      *compliance = std::min(*compliance, kMostCompliance_rad_per_m);
+  }
+  for (ParameterSetting& setting : parameters.settings) {
+    if (setting.name.text.starts_with("walking_")) setting.value *= factors.gains;
+  }
   if (double* pitch = find(parameters, "trunk_pitch_deg")) *pitch += factors.trunk_pitch_deg;
   fit(parameters, body, model.model);
   values.com_height_m = *find(parameters, "com_height_mm") / kMmPerM;
@@ -285,18 +291,19 @@ std::string parameters_text(const StartValues& values, const std::string& origin
 StandingPose standing_pose(const StartValues& values, const simulation::NamedModel& model,
                            const std::string& origin) {
   const std::string time = fmt::format("{:.2f}", 1.5 * std::max(1.0, values.time_scale));
-  const std::string head = motion_head(values, model, "stand", origin);
+  const std::string head = motion_head(values, "stand", origin);
+  const std::string hanging = hanging_text(model);
   constexpr int kMostChanges = 20;
   double height_m = values.com_height_m;
   for (int change = 0;; ++change, height_m *= 0.98) {
     const std::string pose =
         pose_text("stand", "hanging", values.com_forward_m, height_m, values.step_width_m);
-    const std::string stand = head + pose + "steps:\n  - {pose: stand, time_s: " + time + "}\n";
+    const std::string stand = head + pose + hanging + "steps:\n  - {pose: stand, time_s: " + time + "}\n";
     try {
       StandingPose standing{
           .stand_text = stand, .squat_text = {}, .joints_text = compiled_angles(stand, model)};
       standing.squat_text =
-          motion_head(values, model, "squat", origin) + pose +
+          motion_head(values, "squat", origin) + pose + hanging +
           pose_text("down", "stand", values.com_forward_m, 0.85 * height_m, values.step_width_m) +
           fmt::format(
               "steps:\n  - {{pose: stand, time_s: {0}}}\n  - loop:\n      times: 3\n      steps:\n"

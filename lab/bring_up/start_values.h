@@ -18,6 +18,7 @@ struct BodyMeasures {
   double sole_width_m = 0.0;   // of both soles together, side by side: the least distance of their middles
   double sole_middle_m = 0.0;  // x of the middle of a sole, in front of the ankle
   double weight_N = 0.0;
+  double supply_V = 0.0;  // of the battery, else of the servos
   // Torque of the weaker of knee and ankle pitch for an error of its position, until the full voltage.
   double stiffness_Nm_per_rad = 0.0;
 };
@@ -47,6 +48,7 @@ struct StartFactors {
   double com_height = 1.0;
   double step_time = 1.0;
   double compliance = 1.0;
+  double gains = 1.0;            // of the feedback while walking
   double trunk_pitch_deg = 0.0;  // added
 };
 

@@ -25,10 +25,12 @@ SHORTER = (
     (r"^(board|firmware) ", "--duration 0.02"),
     (r"^experiment (gyro-feedback|walking-speed|push-recovery|terrain|stand-up|fall-detection|marathon)", "--jobs 1"),
     (r"^validate", "--short --only slope"),
+    (r"^bring-up", "--seeds 1 --budget 0 --until hangs"),
 )
 # Replacements for resources that this machine may lack.
 REPLACED = (
     ("-o robots/kit", "-o kit/robot"),  # robots/ is that of the sources
+    ("bring-up robots/kit", "bring-up kit/similar"),
     (" --controller qemu", ""),  # the image
     ("socketcan:vcan0", "socketcan:vcan_none"),
     ("udp:239.74.163.2:43113", "udp:239.74.163.99:43999"),  # a group without other members
@@ -71,6 +73,9 @@ class Help(unittest.TestCase):
         (cls.folder / "docs" / "tutorial").symlink_to(support.ROOT / "docs" / "tutorial")
         (cls.folder / "kit").mkdir()
         (cls.folder / "kit" / "robot.urdf").write_text(URDF)
+        (cls.folder / "kit" / "similar").mkdir()
+        for name in ("robot.sdf", "meshes"):
+            (cls.folder / "kit" / "similar" / name).symlink_to(support.ROOT / "robots" / "koboshi" / name)
 
     def test_knows_all_commands(self):
         self.assertGreater(len(self.texts), 30)
