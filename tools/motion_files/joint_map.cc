@@ -117,6 +117,25 @@ class MapFile {
     return false;
   }
 
+  // The joint that the map gives to this one of the robot: its name, and its number if the name is one.
+  std::optional<NamedForeignJoint> named(std::size_t joint, bool numbered, bool ticks) const {
+    for (const auto& [name, entry] : entries_) {
+      if (entry.ignored || entry.in_rad.joint != joint) continue;
+      constexpr std::array<std::string_view, 2> kBefore{"servo ", "joint "};
+      std::string_view digits = name;
+      for (const std::string_view before : kBefore) {
+        if (digits.starts_with(before)) digits.remove_prefix(before.size());
+      }
+      const auto id = parse_integer(digits);
+      const bool has_number = id && *id >= 0 && *id <= 254;
+      if (numbered != has_number) continue;
+      return NamedForeignJoint{
+          {.name = name, .servo_id = has_number ? std::optional(static_cast<int>(*id)) : std::nullopt},
+          ticks ? entry.in_ticks : entry.in_rad};
+    }
+    return std::nullopt;
+  }
+
  private:
   struct Entry {
     bool ignored = false;
@@ -277,6 +296,26 @@ JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& mot
     map.notes.push_back({"joints", fmt::format("dropped, because {} has none of this name: {}", robot.name,
                                                names_of(unknown))});
   return map;
+}
+
+std::vector<std::optional<NamedForeignJoint>> foreign_joints(const sim_board::RobotDescription& robot,
+                                                             bool numbered, bool ticks,
+                                                             const std::filesystem::path& map_file) {
+  std::optional<MapFile> map;
+  if (!map_file.empty()) map.emplace(map_file, robot);
+  std::vector<std::optional<NamedForeignJoint>> joints;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    std::optional<NamedForeignJoint> named = map ? map->named(i, numbered, ticks) : std::nullopt;
+    const auto& maker = robot.joints[i].maker;
+    if (!named && numbered && maker) {
+      const ForeignJoint servo{.name = "servo " + std::to_string(maker->servo_id),
+                               .servo_id = maker->servo_id};
+      if (const auto mapped = by_maker(servo, ticks, robot)) named = NamedForeignJoint{servo, *mapped};
+    }
+    if (!named && !numbered) named = NamedForeignJoint{{.name = robot.joints[i].name}, MappedJoint{i}};
+    joints.push_back(std::move(named));
+  }
+  return joints;
 }
 
 }  // namespace koboshi::tools

@@ -39,4 +39,17 @@ struct JointMap {
                                    const sim_board::RobotDescription& robot,
                                    const std::filesystem::path& map_file = {});
 
+// How a file names or numbers a joint of the robot, and counts its angle.
+struct NamedForeignJoint {
+  ForeignJoint joint;
+  MappedJoint mapped;
+};
+
+// The reverse, by joint of the robot: the names or, if `numbered`, the numbers that its joints have in files
+// of another maker. They are those of the map file, then numbers are the robot's `koboshi:maker` and names
+// its own. Nothing for a joint that has no number.
+[[nodiscard]] std::vector<std::optional<NamedForeignJoint>> foreign_joints(
+    const sim_board::RobotDescription& robot, bool numbered, bool ticks,
+    const std::filesystem::path& map_file = {});
+
 }  // namespace koboshi::tools
