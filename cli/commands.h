@@ -62,6 +62,7 @@ AddCommand add_motion_plot_command;
 AddCommand add_motion_preview_command;
 AddCommand add_motion_export_command;
 AddCommand add_motion_import_command;
+AddCommand add_motion_retarget_command;
 AddCommand add_motion_robot_commands;  // upload, download, play
 
 }  // namespace koboshi::tools
