@@ -94,6 +94,42 @@ std::optional<std::size_t> joint_with_name(const std::string& name,
   return found;
 }
 
+// Joints of DARwIn-OP (ROBOTIS OP2) by their names in Webots and in public URDF files. Its motors mirror each
+// other; the signs of the legs are those with which its walking pose has level soles.
+struct KnownJoint {
+  std::string_view webots, urdf, role;
+  double sign;
+};
+constexpr std::array<KnownJoint, 20> kDarwin{{{"ShoulderR", "j_shoulder_r", "right_shoulder_pitch", 1.0},
+                                              {"ShoulderL", "j_shoulder_l", "left_shoulder_pitch", -1.0},
+                                              {"ArmUpperR", "j_high_arm_r", "right_shoulder_roll", 1.0},
+                                              {"ArmUpperL", "j_high_arm_l", "left_shoulder_roll", 1.0},
+                                              {"ArmLowerR", "j_low_arm_r", "right_elbow", -1.0},
+                                              {"ArmLowerL", "j_low_arm_l", "left_elbow", 1.0},
+                                              {"PelvYR", "j_pelvis_r", "right_hip_yaw", -1.0},
+                                              {"PelvYL", "j_pelvis_l", "left_hip_yaw", -1.0},
+                                              {"PelvR", "j_thigh1_r", "right_hip_roll", -1.0},
+                                              {"PelvL", "j_thigh1_l", "left_hip_roll", -1.0},
+                                              {"LegUpperR", "j_thigh2_r", "right_hip_pitch", 1.0},
+                                              {"LegUpperL", "j_thigh2_l", "left_hip_pitch", -1.0},
+                                              {"LegLowerR", "j_tibia_r", "right_knee", 1.0},
+                                              {"LegLowerL", "j_tibia_l", "left_knee", -1.0},
+                                              {"AnkleR", "j_ankle1_r", "right_ankle_pitch", -1.0},
+                                              {"AnkleL", "j_ankle1_l", "left_ankle_pitch", 1.0},
+                                              {"FootR", "j_ankle2_r", "right_ankle_roll", 1.0},
+                                              {"FootL", "j_ankle2_l", "left_ankle_roll", 1.0},
+                                              {"Neck", "j_pan", "head_pan", 1.0},
+                                              {"Head", "j_tilt", "head_tilt", -1.0}}};
+
+std::optional<MappedJoint> of_known_robot(const std::string& name, const sim_board::RobotDescription& robot) {
+  for (const KnownJoint& known : kDarwin) {
+    if (name != known.webots && name != known.urdf) continue;
+    const auto joint = robot.find_joint(std::string(known.role));
+    if (joint) return MappedJoint{static_cast<std::size_t>(*joint), known.sign};
+  }
+  return std::nullopt;
+}
+
 // --- The map file
 
 class MapFile {
@@ -244,6 +280,7 @@ JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& mot
   std::vector<std::string> guessed;
   std::vector<std::string> taken(robot.joints.size());
   std::vector<std::string> reversed;
+  std::vector<std::string> darwin;
   const auto sources = ticks ? std::vector<std::pair<std::string, std::string>>() : source_names(robot);
   for (std::size_t column = 0; column < motion.joints.size(); ++column) {
     const ForeignJoint& joint = motion.joints[column];
@@ -251,6 +288,10 @@ JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& mot
     const bool stated = map_of_user && map_of_user->find(joint, ticks, mapped);
     if (!stated) mapped = by_maker(joint, ticks, robot);
     if (!stated && !mapped) mapped = by_source(joint.name, sources, robot);
+    if (!stated && !mapped && !ticks && !robot.find_joint(joint.name)) {
+      mapped = of_known_robot(joint.name, robot);
+      if (mapped) darwin.push_back(joint.name);
+    }
     if (!stated && !mapped && !ticks) {
       if (const auto found = joint_with_name(joint.name, robot)) {
         mapped = MappedJoint{*found};
@@ -292,6 +333,12 @@ JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& mot
              : fmt::format(
                    "of these, the limits say that {} turn the other way; the others turn as in the file",
                    names_of(reversed))});
+  if (!darwin.empty())
+    map.notes.push_back(
+        {"joints",
+         fmt::format("taken for those of a DARwIn-OP, with the signs of its legs; signs and zeros of "
+                     "arms and head are assumed: {}; --map FILE says otherwise",
+                     names_of(darwin))});
   if (!unknown.empty())
     map.notes.push_back({"joints", fmt::format("dropped, because {} has none of this name: {}", robot.name,
                                                names_of(unknown))});

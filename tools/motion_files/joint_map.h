@@ -31,6 +31,7 @@ struct JointMap {
 //   - a numbered servo by the robot's `koboshi:maker`;
 //   - by the name that the joint has in the file from which the robot was imported (import.yaml beside the
 //     robot's file), with the sign and the zero of that file, which are those of the drive's shaft;
+//   - by the name that a joint of a DARwIn-OP has in Webots or in its URDF, with that robot's sign;
 //   - by its name, if exactly one joint or role has it or means the same. Where more of the angles are within
 //     the joint's limits with the opposite sign, it is taken.
 // Throws InputError, naming `file`, if no joint of the file is found, or a numbered servo is not, because a

@@ -164,5 +164,17 @@ TEST_F(ConvertTest, TurnsAroundAGuessedJointWhoseLimitsSaySo) {
       << map.notes.back().text;
 }
 
+TEST_F(ConvertTest, KnowsTheJointsOfADarwin) {
+  // The walking pose: hips and ankles back, knees bent, by motors that mirror each other.
+  const ConvertedMotion converted = convert(
+      "#WEBOTS_MOTION,V1.0,LegUpperR,LegUpperL,LegLowerR,LegLowerL,AnkleR,AnkleL\n"
+      "00:01:000,a,-0.5,0.5,0.9,-0.9,0.4,-0.4\n");
+  EXPECT_NE(converted.text.find("left_hip_pitch: -28.648, left_knee: 51.566, left_ankle_pitch: -22.918, "
+                                "right_hip_pitch: -28.648, right_knee: 51.566, right_ankle_pitch: -22.918"),
+            std::string::npos)
+      << converted.text;
+  EXPECT_TRUE(has(converted.report, "taken for those of a DARwIn-OP"));
+}
+
 }  // namespace
 }  // namespace koboshi::tools
