@@ -260,6 +260,83 @@ double beyond_limits_rad(const ForeignMotion& motion, std::size_t column, double
   return sum_rad;
 }
 
+// A leg whose three joints about y are known, with their columns in the file.
+struct PitchColumns {
+  std::array<std::size_t, 3> column{};  // hip, knee, ankle
+  std::array<double, 3> axis{};         // 1 or -1: the direction of the robot's axis along y
+};
+
+std::optional<PitchColumns> pitch_columns(const JointMap& map, const sim_board::RobotDescription& robot,
+                                          const std::string& side) {
+  constexpr std::array<const char*, 3> kPitch{"_hip_pitch", "_knee", "_ankle_pitch"};
+  PitchColumns leg;
+  for (std::size_t i = 0; i < kPitch.size(); ++i) {
+    const auto joint = robot.find_joint(side + kPitch.at(i));
+    if (!joint) return std::nullopt;
+    const auto found = std::ranges::find_if(map.joints, [&](const auto& mapped) {
+      return mapped && mapped->joint == static_cast<std::size_t>(*joint);
+    });
+    if (found == map.joints.end()) return std::nullopt;
+    leg.column.at(i) = static_cast<std::size_t>(found - map.joints.begin());
+    leg.axis.at(i) = robot.joints[static_cast<std::size_t>(*joint)].axis_M.y() < 0.0 ? -1.0 : 1.0;
+  }
+  return leg;
+}
+
+// The mean angle between trunk and sole, in rad, with other signs of hip and ankle.
+double mean_sole_pitch_rad(const ForeignMotion& motion, const JointMap& map, const PitchColumns& leg,
+                           double hip, double ankle) {
+  const std::array<double, 3> turns{hip, 1.0, ankle};
+  double sum_rad = 0.0;
+  std::size_t count = 0;
+  for (const ForeignSection& section : motion.sections) {
+    for (const ForeignFrame& frame : section.frames) {
+      double pitch_rad = 0.0;
+      bool known = true;
+      for (std::size_t i = 0; i < turns.size(); ++i) {
+        const ForeignValue& value = frame.values[leg.column.at(i)];
+        known = known && value;
+        if (value) pitch_rad += turns.at(i) * leg.axis.at(i) * map.joints[leg.column.at(i)]->sign * *value;
+      }
+      if (!known) continue;
+      sum_rad += std::abs(pitch_rad);
+      ++count;
+    }
+  }
+  return count > 0 ? sum_rad / static_cast<double>(count) : 0.0;
+}
+
+// Robots stand with soles that are about parallel to the trunk. Turns guessed hips and ankles round where
+// this makes the soles much more level; knees are known by their limits.
+void level_soles(const ForeignMotion& motion, const sim_board::RobotDescription& robot,
+                 const std::vector<bool>& is_guess, JointMap& map, std::vector<std::string>& reversed) {
+  constexpr double kMuchMoreLevel = 0.5;
+  for (const char* side : {"left", "right"}) {
+    const auto leg = pitch_columns(map, robot, side);
+    if (!leg || !is_guess[leg->column[0]] || !is_guess[leg->column[2]]) continue;
+    double least_rad = kMuchMoreLevel * mean_sole_pitch_rad(motion, map, *leg, 1.0, 1.0);
+    std::array<double, 2> best{1.0, 1.0};
+    for (const auto& turns : {std::array{-1.0, -1.0}, std::array{-1.0, 1.0}, std::array{1.0, -1.0}}) {
+      const double pitch_rad = mean_sole_pitch_rad(motion, map, *leg, turns[0], turns[1]);
+      if (pitch_rad >= least_rad) continue;
+      least_rad = pitch_rad;
+      best = turns;
+    }
+    for (const std::size_t end : {0U, 1U}) {
+      const std::size_t column = leg->column.at(2 * end);
+      if (best.at(end) > 0.0) continue;
+      map.joints[column]->sign = -map.joints[column]->sign;
+      const std::string& name = motion.joints[column].name;
+      const auto found = std::ranges::find(reversed, name);
+      if (found == reversed.end()) {
+        reversed.push_back(name);
+      } else {
+        reversed.erase(found);
+      }
+    }
+  }
+}
+
 std::string names_of(const std::vector<std::string>& names) {
   constexpr std::size_t kMost = 6;
   std::string text;
@@ -281,6 +358,7 @@ JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& mot
   std::vector<std::string> taken(robot.joints.size());
   std::vector<std::string> reversed;
   std::vector<std::string> darwin;
+  std::vector<bool> is_guess(motion.joints.size());
   const auto sources = ticks ? std::vector<std::pair<std::string, std::string>>() : source_names(robot);
   for (std::size_t column = 0; column < motion.joints.size(); ++column) {
     const ForeignJoint& joint = motion.joints[column];
@@ -298,6 +376,7 @@ JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& mot
         const sim_board::JointDescription& own = robot.joints[*found];
         const bool guess = own.name != joint.name && own.role() != joint.name;
         if (guess) guessed.push_back(joint.name + " is " + own.name);
+        is_guess[column] = guess;
         if (guess &&
             beyond_limits_rad(motion, column, -1.0, own) < beyond_limits_rad(motion, column, 1.0, own)) {
           mapped->sign = -1.0;
@@ -322,17 +401,16 @@ JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& mot
                      ticks || motion.format == MotionFormat::kPoseSeq
                          ? "servos that the robot names (koboshi:maker, see koboshi model map), or --map FILE"
                          : "joints of " + robot.name + ", or --map FILE");
+  level_soles(motion, robot, is_guess, map, reversed);
   if (!guessed.empty())
     map.notes.push_back({"joints", fmt::format("by the meaning of their names: {}; --map FILE says otherwise",
                                                names_of(guessed))});
   if (!guessed.empty())
-    map.notes.push_back(
-        {"joints",
-         reversed.empty()
-             ? "all of these turn as in the file, because nothing says otherwise"
-             : fmt::format(
-                   "of these, the limits say that {} turn the other way; the others turn as in the file",
-                   names_of(reversed))});
+    map.notes.push_back({"joints", reversed.empty()
+                                       ? "all of these turn as in the file, because nothing says otherwise"
+                                       : fmt::format("of these, limits or level soles say that {} turn the "
+                                                     "other way; the others turn as in the file",
+                                                     names_of(reversed))});
   if (!darwin.empty())
     map.notes.push_back(
         {"joints",

@@ -33,7 +33,8 @@ struct JointMap {
 //     robot's file), with the sign and the zero of that file, which are those of the drive's shaft;
 //   - by the name that a joint of a DARwIn-OP has in Webots or in its URDF, with that robot's sign;
 //   - by its name, if exactly one joint or role has it or means the same. Where more of the angles are within
-//     the joint's limits with the opposite sign, it is taken.
+//     the joint's limits with the opposite sign, it is taken, and for the pitch of hips and ankles where the
+//     soles are then much more level.
 // Throws InputError, naming `file`, if no joint of the file is found, or a numbered servo is not, because a
 // motion without a part of its joints is another motion; the message says what to do.
 [[nodiscard]] JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& motion,
