@@ -61,7 +61,9 @@ AddCommand add_model_map_command;
 AddCommand add_motion_check_command;
 AddCommand add_motion_plot_command;
 AddCommand add_motion_preview_command;
+AddCommand add_motion_export_command;
 AddCommand add_motion_import_command;
+AddCommand add_motion_retarget_command;
 AddCommand add_motion_robot_commands;  // upload, download, play
 
 }  // namespace koboshi::tools

@@ -289,6 +289,8 @@ void add_motion_command(CLI::App& program, Invocation& invocation) {
   command->require_subcommand(1);
   add_motion_check_command(*command, invocation);
   add_motion_import_command(*command, invocation);
+  add_motion_export_command(*command, invocation);
+  add_motion_retarget_command(*command, invocation);
   add_motion_plot_command(*command, invocation);
   add_motion_preview_command(*command, invocation);
   add_compile(*command, invocation);

@@ -123,8 +123,8 @@ void add_motion_import_command(CLI::App& motion_command, Invocation& invocation)
   CLI::App* command =
       motion_command.add_subcommand("import", "Convert a motion of another maker into a motion file");
   command->footer(
-      R"(Reads motions of Webots (.motion), ROBOTIS (.mtn, motion_*.bin), Choreonoid (.pseq), the Bit-Bots and
-bold-humanoid (JSON), and tables (CSV), which it recognises by their contents. Joints are found by the robot's servo
+      R"(Reads motions of Webots (.motion), ROBOTIS (.mtn, .mtnx, motion_*.bin), KONDO (.h4p), Choreonoid (.pseq), the
+Bit-Bots and bold-humanoid (JSON), and tables (CSV), which it recognises by their contents. Joints are found by the robot's servo
 numbers (koboshi model map) or by their names. What was clamped, slowed down, dropped or guessed is said on the
 standard error output (docs/reference/motion-import.md).
 

@@ -18,6 +18,9 @@ enum class MotionFormat {
   kPoseSeq,        // Choreonoid, `.pseq`
   kRoboplusText,   // ROBOTIS RoboPlus Motion, `.mtn`
   kRoboplusPages,  // ROBOTIS, `motion_*.bin`: 256 pages
+  kRoboplusXml,    // ROBOTIS R+ Motion, `.mtnx`
+  kKondo,          // KONDO HeartToHeart4, `.h4p`
+  kOwn,            // a motion of the motion language, of another robot; never recognised
 };
 
 // The name of a format for messages: "a motion of Webots".

@@ -94,6 +94,42 @@ std::optional<std::size_t> joint_with_name(const std::string& name,
   return found;
 }
 
+// Joints of DARwIn-OP (ROBOTIS OP2) by their names in Webots and in public URDF files. Its motors mirror each
+// other; the signs of the legs are those with which its walking pose has level soles.
+struct KnownJoint {
+  std::string_view webots, urdf, role;
+  double sign;
+};
+constexpr std::array<KnownJoint, 20> kDarwin{{{"ShoulderR", "j_shoulder_r", "right_shoulder_pitch", 1.0},
+                                              {"ShoulderL", "j_shoulder_l", "left_shoulder_pitch", -1.0},
+                                              {"ArmUpperR", "j_high_arm_r", "right_shoulder_roll", 1.0},
+                                              {"ArmUpperL", "j_high_arm_l", "left_shoulder_roll", 1.0},
+                                              {"ArmLowerR", "j_low_arm_r", "right_elbow", -1.0},
+                                              {"ArmLowerL", "j_low_arm_l", "left_elbow", 1.0},
+                                              {"PelvYR", "j_pelvis_r", "right_hip_yaw", -1.0},
+                                              {"PelvYL", "j_pelvis_l", "left_hip_yaw", -1.0},
+                                              {"PelvR", "j_thigh1_r", "right_hip_roll", -1.0},
+                                              {"PelvL", "j_thigh1_l", "left_hip_roll", -1.0},
+                                              {"LegUpperR", "j_thigh2_r", "right_hip_pitch", 1.0},
+                                              {"LegUpperL", "j_thigh2_l", "left_hip_pitch", -1.0},
+                                              {"LegLowerR", "j_tibia_r", "right_knee", 1.0},
+                                              {"LegLowerL", "j_tibia_l", "left_knee", -1.0},
+                                              {"AnkleR", "j_ankle1_r", "right_ankle_pitch", -1.0},
+                                              {"AnkleL", "j_ankle1_l", "left_ankle_pitch", 1.0},
+                                              {"FootR", "j_ankle2_r", "right_ankle_roll", 1.0},
+                                              {"FootL", "j_ankle2_l", "left_ankle_roll", 1.0},
+                                              {"Neck", "j_pan", "head_pan", 1.0},
+                                              {"Head", "j_tilt", "head_tilt", -1.0}}};
+
+std::optional<MappedJoint> of_known_robot(const std::string& name, const sim_board::RobotDescription& robot) {
+  for (const KnownJoint& known : kDarwin) {
+    if (name != known.webots && name != known.urdf) continue;
+    const auto joint = robot.find_joint(std::string(known.role));
+    if (joint) return MappedJoint{static_cast<std::size_t>(*joint), known.sign};
+  }
+  return std::nullopt;
+}
+
 // --- The map file
 
 class MapFile {
@@ -116,6 +152,25 @@ class MapFile {
       return true;
     }
     return false;
+  }
+
+  // The joint that the map gives to this one of the robot: its name, and its number if the name is one.
+  std::optional<NamedForeignJoint> named(std::size_t joint, bool numbered, bool ticks) const {
+    for (const auto& [name, entry] : entries_) {
+      if (entry.ignored || entry.in_rad.joint != joint) continue;
+      constexpr std::array<std::string_view, 2> kBefore{"servo ", "joint "};
+      std::string_view digits = name;
+      for (const std::string_view before : kBefore) {
+        if (digits.starts_with(before)) digits.remove_prefix(before.size());
+      }
+      const auto id = parse_integer(digits);
+      const bool has_number = id && *id >= 0 && *id <= 254;
+      if (numbered != has_number) continue;
+      return NamedForeignJoint{
+          {.name = name, .servo_id = has_number ? std::optional(static_cast<int>(*id)) : std::nullopt},
+          ticks ? entry.in_ticks : entry.in_rad};
+    }
+    return std::nullopt;
   }
 
  private:
@@ -206,6 +261,83 @@ double beyond_limits_rad(const ForeignMotion& motion, std::size_t column, double
   return sum_rad;
 }
 
+// A leg whose three joints about y are known, with their columns in the file.
+struct PitchColumns {
+  std::array<std::size_t, 3> column{};  // hip, knee, ankle
+  std::array<double, 3> axis{};         // 1 or -1: the direction of the robot's axis along y
+};
+
+std::optional<PitchColumns> pitch_columns(const JointMap& map, const sim_board::RobotDescription& robot,
+                                          const std::string& side) {
+  constexpr std::array<const char*, 3> kPitch{"_hip_pitch", "_knee", "_ankle_pitch"};
+  PitchColumns leg;
+  for (std::size_t i = 0; i < kPitch.size(); ++i) {
+    const auto joint = robot.find_joint(side + kPitch.at(i));
+    if (!joint) return std::nullopt;
+    const auto found = std::ranges::find_if(map.joints, [&](const auto& mapped) {
+      return mapped && mapped->joint == static_cast<std::size_t>(*joint);
+    });
+    if (found == map.joints.end()) return std::nullopt;
+    leg.column.at(i) = static_cast<std::size_t>(found - map.joints.begin());
+    leg.axis.at(i) = robot.joints[static_cast<std::size_t>(*joint)].axis_M.y() < 0.0 ? -1.0 : 1.0;
+  }
+  return leg;
+}
+
+// The mean angle between trunk and sole, in rad, with other signs of hip and ankle.
+double mean_sole_pitch_rad(const ForeignMotion& motion, const JointMap& map, const PitchColumns& leg,
+                           double hip, double ankle) {
+  const std::array<double, 3> turns{hip, 1.0, ankle};
+  double sum_rad = 0.0;
+  std::size_t count = 0;
+  for (const ForeignSection& section : motion.sections) {
+    for (const ForeignFrame& frame : section.frames) {
+      double pitch_rad = 0.0;
+      bool known = true;
+      for (std::size_t i = 0; i < turns.size(); ++i) {
+        const ForeignValue& value = frame.values[leg.column.at(i)];
+        known = known && value;
+        if (value) pitch_rad += turns.at(i) * leg.axis.at(i) * map.joints[leg.column.at(i)]->sign * *value;
+      }
+      if (!known) continue;
+      sum_rad += std::abs(pitch_rad);
+      ++count;
+    }
+  }
+  return count > 0 ? sum_rad / static_cast<double>(count) : 0.0;
+}
+
+// Robots stand with soles that are about parallel to the trunk. Turns guessed hips and ankles round where
+// this makes the soles much more level; knees are known by their limits.
+void level_soles(const ForeignMotion& motion, const sim_board::RobotDescription& robot,
+                 const std::vector<bool>& is_guess, JointMap& map, std::vector<std::string>& reversed) {
+  constexpr double kMuchMoreLevel = 0.5;
+  for (const char* side : {"left", "right"}) {
+    const auto leg = pitch_columns(map, robot, side);
+    if (!leg || !is_guess[leg->column[0]] || !is_guess[leg->column[2]]) continue;
+    double least_rad = kMuchMoreLevel * mean_sole_pitch_rad(motion, map, *leg, 1.0, 1.0);
+    std::array<double, 2> best{1.0, 1.0};
+    for (const auto& turns : {std::array{-1.0, -1.0}, std::array{-1.0, 1.0}, std::array{1.0, -1.0}}) {
+      const double pitch_rad = mean_sole_pitch_rad(motion, map, *leg, turns[0], turns[1]);
+      if (pitch_rad >= least_rad) continue;
+      least_rad = pitch_rad;
+      best = turns;
+    }
+    for (const std::size_t end : {0U, 1U}) {
+      const std::size_t column = leg->column.at(2 * end);
+      if (best.at(end) > 0.0) continue;
+      map.joints[column]->sign = -map.joints[column]->sign;
+      const std::string& name = motion.joints[column].name;
+      const auto found = std::ranges::find(reversed, name);
+      if (found == reversed.end()) {
+        reversed.push_back(name);
+      } else {
+        reversed.erase(found);
+      }
+    }
+  }
+}
+
 std::string names_of(const std::vector<std::string>& names) {
   constexpr std::size_t kMost = 6;
   std::string text;
@@ -226,6 +358,8 @@ JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& mot
   std::vector<std::string> guessed;
   std::vector<std::string> taken(robot.joints.size());
   std::vector<std::string> reversed;
+  std::vector<std::string> darwin;
+  std::vector<bool> is_guess(motion.joints.size());
   const auto sources = ticks ? std::vector<std::pair<std::string, std::string>>() : source_names(robot);
   for (std::size_t column = 0; column < motion.joints.size(); ++column) {
     const ForeignJoint& joint = motion.joints[column];
@@ -233,12 +367,17 @@ JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& mot
     const bool stated = map_of_user && map_of_user->find(joint, ticks, mapped);
     if (!stated) mapped = by_maker(joint, ticks, robot);
     if (!stated && !mapped) mapped = by_source(joint.name, sources, robot);
+    if (!stated && !mapped && !ticks && !robot.find_joint(joint.name)) {
+      mapped = of_known_robot(joint.name, robot);
+      if (mapped) darwin.push_back(joint.name);
+    }
     if (!stated && !mapped && !ticks) {
       if (const auto found = joint_with_name(joint.name, robot)) {
         mapped = MappedJoint{*found};
         const sim_board::JointDescription& own = robot.joints[*found];
         const bool guess = own.name != joint.name && own.role() != joint.name;
         if (guess) guessed.push_back(joint.name + " is " + own.name);
+        is_guess[column] = guess;
         if (guess &&
             beyond_limits_rad(motion, column, -1.0, own) < beyond_limits_rad(motion, column, 1.0, own)) {
           mapped->sign = -1.0;
@@ -263,21 +402,46 @@ JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& mot
                      ticks || motion.format == MotionFormat::kPoseSeq
                          ? "servos that the robot names (koboshi:maker, see koboshi model map), or --map FILE"
                          : "joints of " + robot.name + ", or --map FILE");
+  level_soles(motion, robot, is_guess, map, reversed);
   if (!guessed.empty())
     map.notes.push_back({"joints", fmt::format("by the meaning of their names: {}; --map FILE says otherwise",
                                                names_of(guessed))});
   if (!guessed.empty())
+    map.notes.push_back({"joints", reversed.empty()
+                                       ? "all of these turn as in the file, because nothing says otherwise"
+                                       : fmt::format("of these, limits or level soles say that {} turn the "
+                                                     "other way; the others turn as in the file",
+                                                     names_of(reversed))});
+  if (!darwin.empty())
     map.notes.push_back(
         {"joints",
-         reversed.empty()
-             ? "all of these turn as in the file, because nothing says otherwise"
-             : fmt::format(
-                   "of these, the limits say that {} turn the other way; the others turn as in the file",
-                   names_of(reversed))});
+         fmt::format("taken for those of a DARwIn-OP, with the signs of its legs; signs and zeros of "
+                     "arms and head are assumed: {}; --map FILE says otherwise",
+                     names_of(darwin))});
   if (!unknown.empty())
     map.notes.push_back({"joints", fmt::format("dropped, because {} has none of this name: {}", robot.name,
                                                names_of(unknown))});
   return map;
+}
+
+std::vector<std::optional<NamedForeignJoint>> foreign_joints(const sim_board::RobotDescription& robot,
+                                                             bool numbered, bool ticks,
+                                                             const std::filesystem::path& map_file) {
+  std::optional<MapFile> map;
+  if (!map_file.empty()) map.emplace(map_file, robot);
+  std::vector<std::optional<NamedForeignJoint>> joints;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    std::optional<NamedForeignJoint> named = map ? map->named(i, numbered, ticks) : std::nullopt;
+    const auto& maker = robot.joints[i].maker;
+    if (!named && numbered && maker) {
+      const ForeignJoint servo{.name = "servo " + std::to_string(maker->servo_id),
+                               .servo_id = maker->servo_id};
+      if (const auto mapped = by_maker(servo, ticks, robot)) named = NamedForeignJoint{servo, *mapped};
+    }
+    if (!named && !numbered) named = NamedForeignJoint{{.name = robot.joints[i].name}, MappedJoint{i}};
+    joints.push_back(std::move(named));
+  }
+  return joints;
 }
 
 }  // namespace koboshi::tools

@@ -31,12 +31,27 @@ struct JointMap {
 //   - a numbered servo by the robot's `koboshi:maker`;
 //   - by the name that the joint has in the file from which the robot was imported (import.yaml beside the
 //     robot's file), with the sign and the zero of that file, which are those of the drive's shaft;
+//   - by the name that a joint of a DARwIn-OP has in Webots or in its URDF, with that robot's sign;
 //   - by its name, if exactly one joint or role has it or means the same. Where more of the angles are within
-//     the joint's limits with the opposite sign, it is taken.
+//     the joint's limits with the opposite sign, it is taken, and for the pitch of hips and ankles where the
+//     soles are then much more level.
 // Throws InputError, naming `file`, if no joint of the file is found, or a numbered servo is not, because a
 // motion without a part of its joints is another motion; the message says what to do.
 [[nodiscard]] JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& motion,
                                    const sim_board::RobotDescription& robot,
                                    const std::filesystem::path& map_file = {});
+
+// How a file names or numbers a joint of the robot, and counts its angle.
+struct NamedForeignJoint {
+  ForeignJoint joint;
+  MappedJoint mapped;
+};
+
+// The reverse, by joint of the robot: the names or, if `numbered`, the numbers that its joints have in files
+// of another maker. They are those of the map file, then numbers are the robot's `koboshi:maker` and names
+// its own. Nothing for a joint that has no number.
+[[nodiscard]] std::vector<std::optional<NamedForeignJoint>> foreign_joints(
+    const sim_board::RobotDescription& robot, bool numbered, bool ticks,
+    const std::filesystem::path& map_file = {});
 
 }  // namespace koboshi::tools

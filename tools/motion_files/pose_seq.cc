@@ -1,6 +1,7 @@
 // Choreonoid, PoseSeq plugin: `refs`, each with the time in s at which a pose is reached, and the pose:
 // joints by their numbers in the body, angles `q` in rad. The player passes through the poses on splines.
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/text/error.h"
@@ -38,6 +39,16 @@ bool read_pose(const YamlMap& pose, ForeignFrame& frame, ForeignMotion& motion) 
   return true;
 }
 
+// A transition that may take less than the time since the pose above begins later: that pose waits.
+void wait_before_short_transition(const YamlMap& ref, ForeignFrame& frame, ForeignSection& section) {
+  constexpr const char* kKey = "maxTransitionTime";
+  if (section.frames.empty() || !ref.has(kKey)) return;
+  const std::int64_t limit_us = std::llround(1e6 * ref.number(kKey, {.min = 0.0, .max = kLongestSequence_s}));
+  if (limit_us == 0 || limit_us >= frame.move_us) return;  // 0: no limit
+  section.frames.back().pause_us += frame.move_us - limit_us;
+  frame.move_us = limit_us;
+}
+
 }  // namespace
 
 ForeignMotion read_pose_seq(const std::filesystem::path& file, std::string_view text) {
@@ -61,12 +72,19 @@ ForeignMotion read_pose_seq(const std::filesystem::path& file, std::string_view 
       motion.notes.push_back({frame.place, "ignored: its time is before that of the pose above"});
       continue;
     }
-    // Of several poses at one time the last one counts.
+    // Of several poses at one time the last one counts, for the joints that it has.
     if (!section.frames.empty() && at_s == last_s) {
-      frame.move_us = section.frames.back().move_us;
+      const ForeignFrame& before = section.frames.back();
+      motion.notes.push_back({frame.place, "replaces the angles of the pose above, which has the same time"});
+      frame.values.resize(std::max(frame.values.size(), before.values.size()));
+      for (std::size_t i = 0; i < before.values.size(); ++i) {
+        if (!frame.values[i]) frame.values[i] = before.values[i];
+      }
+      frame.move_us = before.move_us;
       section.frames.pop_back();
     } else {
       frame.move_us = std::llround(1e6 * at_s) - std::llround(1e6 * last_s);
+      wait_before_short_transition(ref, frame, section);
     }
     last_s = at_s;
     section.frames.push_back(std::move(frame));

@@ -11,7 +11,7 @@ namespace koboshi::tools {
 // Readers of the formats. Each returns the motions of a file, at least one: one for each page that is not
 // empty, where a format has pages, else a single one. What can be read is read; what was wrong, ignored or
 // guessed is in the notes. All throw InputError, with file and line or offset, if nothing can be read.
-// `file` is for messages only; `text` has LF at its line ends and no byte order mark.
+// `file` is for messages only; `text` is decoded (encoding.h).
 [[nodiscard]] ForeignMotion read_webots(const std::filesystem::path& file, std::string_view text);
 [[nodiscard]] ForeignMotion read_csv_motion(const std::filesystem::path& file, std::string_view text);
 [[nodiscard]] ForeignMotion read_bit_bots(const std::filesystem::path& file, std::string_view text);
@@ -21,6 +21,9 @@ namespace koboshi::tools {
                                                             std::string_view text);
 [[nodiscard]] std::vector<ForeignMotion> read_roboplus_pages(const std::filesystem::path& file,
                                                              std::string_view bytes);
+[[nodiscard]] std::vector<ForeignMotion> read_roboplus_xml(const std::filesystem::path& file,
+                                                           std::string_view text);
+[[nodiscard]] ForeignMotion read_kondo(const std::filesystem::path& file, std::string_view text);
 
 // Reads a file of any of the formats. Throws InputError also for a file that is none of them.
 [[nodiscard]] std::vector<ForeignMotion> read_foreign_motions(const std::filesystem::path& file,

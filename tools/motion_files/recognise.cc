@@ -3,8 +3,8 @@
 #include <string>
 
 #include "base/text/error.h"
-#include "base/text/foreign_text.h"
 #include "base/text/text.h"
+#include "tools/motion_files/encoding.h"
 #include "tools/motion_files/lines.h"
 #include "tools/motion_files/readers.h"
 #include "tools/motion_files/roboplus_page.h"
@@ -39,6 +39,50 @@ bool is_table(std::string_view header) {
   return false;
 }
 
+std::optional<MotionFormat> recognise_text(std::string_view text) {
+  const std::string_view first = first_line(text);
+  if (first.starts_with("#WEBOTS_MOTION")) return MotionFormat::kWebots;
+  if (has(text, "page_begin") && has(text, "step=")) return MotionFormat::kRoboplusText;
+  if (first.starts_with('<')) {
+    if (has(text, "<PageRoot") && has(text, "frame=")) return MotionFormat::kRoboplusXml;
+    // No public description gives the names of its elements: any of the program or of its controller will do.
+    for (const char* word : {"HeartToHeart", "Heart To Heart", "Heart2Heart", "RCB-4", "RCB4", "CodeText"}) {
+      if (has(text, word)) return MotionFormat::kKondo;
+    }
+    return std::nullopt;
+  }
+  if (is_json(first)) {
+    if (has(text, "\"keyframes\"") && has(text, "\"goals\"")) return MotionFormat::kBitBots;
+    if (has(text, "\"stages\"") && has(text, "\"keyFrames\"")) return MotionFormat::kBold;
+    return std::nullopt;
+  }
+  if (has(text, "PoseSeq") && has(text, "refs:")) return MotionFormat::kPoseSeq;
+  if (is_table(first)) return MotionFormat::kCsv;
+  return std::nullopt;
+}
+
+std::vector<ForeignMotion> read_text_of(MotionFormat format, const std::filesystem::path& file,
+                                        const std::string& text) {
+  switch (format) {
+    case MotionFormat::kWebots:
+      return {read_webots(file, text)};
+    case MotionFormat::kCsv:
+      return {read_csv_motion(file, text)};
+    case MotionFormat::kBitBots:
+      return {read_bit_bots(file, text)};
+    case MotionFormat::kBold:
+      return {read_bold(file, text)};
+    case MotionFormat::kPoseSeq:
+      return {read_pose_seq(file, text)};
+    case MotionFormat::kRoboplusXml:
+      return read_roboplus_xml(file, text);
+    case MotionFormat::kKondo:
+      return {read_kondo(file, text)};
+    default:
+      return read_roboplus_text(file, text);
+  }
+}
+
 }  // namespace
 
 std::string name_of(MotionFormat format) {
@@ -57,49 +101,35 @@ std::string name_of(MotionFormat format) {
       return "a motion file of ROBOTIS RoboPlus";
     case MotionFormat::kRoboplusPages:
       return "motion pages of ROBOTIS";
+    case MotionFormat::kRoboplusXml:
+      return "a motion file of ROBOTIS R+";
+    case MotionFormat::kKondo:
+      return "a motion of KONDO HeartToHeart4";
+    case MotionFormat::kOwn:
+      return "a motion of another robot";
   }
   return "a motion";
 }
 
 std::optional<MotionFormat> recognise(std::string_view bytes) {
   if (is_roboplus_pages(bytes)) return MotionFormat::kRoboplusPages;
-  const std::string text = with_line_feeds(bytes);
-  const std::string_view first = first_line(text);
-  if (first.starts_with("#WEBOTS_MOTION")) return MotionFormat::kWebots;
-  if (has(text, "page_begin") && has(text, "step=")) return MotionFormat::kRoboplusText;
-  if (is_json(first)) {
-    if (has(text, "\"keyframes\"") && has(text, "\"goals\"")) return MotionFormat::kBitBots;
-    if (has(text, "\"stages\"") && has(text, "\"keyFrames\"")) return MotionFormat::kBold;
-    return std::nullopt;
-  }
-  if (has(text, "PoseSeq") && has(text, "refs:")) return MotionFormat::kPoseSeq;
-  if (is_table(first)) return MotionFormat::kCsv;
-  return std::nullopt;
+  return recognise_text(decode_text(bytes).text);
 }
 
 std::vector<ForeignMotion> read_foreign_motions(const std::filesystem::path& file, std::string_view bytes) {
-  const auto format = recognise(bytes);
+  if (is_roboplus_pages(bytes)) return read_roboplus_pages(file, bytes);
+  const DecodedText decoded = decode_text(bytes);
+  const auto format = recognise_text(decoded.text);
   if (!format)
-    throw InputError(file, 0, "a file of no known format",
-                     "a motion of Webots, ROBOTIS (.mtn, .bin), Choreonoid (.pseq), Bit-Bots or "
-                     "bold-humanoid (JSON), or a "
-                     "table (CSV)");
-  if (*format == MotionFormat::kRoboplusPages) return read_roboplus_pages(file, bytes);
-  const std::string text = with_line_feeds(bytes);
-  switch (*format) {
-    case MotionFormat::kWebots:
-      return {read_webots(file, text)};
-    case MotionFormat::kCsv:
-      return {read_csv_motion(file, text)};
-    case MotionFormat::kBitBots:
-      return {read_bit_bots(file, text)};
-    case MotionFormat::kBold:
-      return {read_bold(file, text)};
-    case MotionFormat::kPoseSeq:
-      return {read_pose_seq(file, text)};
-    default:
-      return read_roboplus_text(file, text);
+    throw InputError(
+        file, 0, "a file of no known format",
+        "a motion of Webots, ROBOTIS (.mtn, .bin, .mtnx), KONDO (.h4p), Choreonoid (.pseq), Bit-Bots or "
+        "bold-humanoid (JSON), or a table (CSV)");
+  std::vector<ForeignMotion> motions = read_text_of(*format, file, decoded.text);
+  if (!decoded.encoding.empty()) {
+    for (ForeignMotion& motion : motions) motion.notes.push_back({"text", "is read as " + decoded.encoding});
   }
+  return motions;
 }
 
 }  // namespace koboshi::tools

@@ -164,5 +164,30 @@ TEST_F(ConvertTest, TurnsAroundAGuessedJointWhoseLimitsSaySo) {
       << map.notes.back().text;
 }
 
+TEST_F(ConvertTest, KnowsTheJointsOfADarwin) {
+  // The walking pose: hips and ankles back, knees bent, by motors that mirror each other.
+  const ConvertedMotion converted = convert(
+      "#WEBOTS_MOTION,V1.0,LegUpperR,LegUpperL,LegLowerR,LegLowerL,AnkleR,AnkleL\n"
+      "00:01:000,a,-0.5,0.5,0.9,-0.9,0.4,-0.4\n");
+  EXPECT_NE(converted.text.find("left_hip_pitch: -28.648, left_knee: 51.566, left_ankle_pitch: -22.918, "
+                                "right_hip_pitch: -28.648, right_knee: 51.566, right_ankle_pitch: -22.918"),
+            std::string::npos)
+      << converted.text;
+  EXPECT_TRUE(has(converted.report, "taken for those of a DARwIn-OP"));
+}
+
+TEST_F(ConvertTest, TurnsGuessedHipsAndAnklesSoThatSolesAreLevel) {
+  const ConvertedMotion converted = convert(
+      "t,l_hip_pitch_deg,l_calf_deg,l_ankle_pitch_deg,r_hip_pitch_deg,r_calf_deg,r_ankle_pitch_deg\n"
+      "1,-30,-60,-30,30,60,30\n2,-20,-41,-22,20,41,20\n");
+  EXPECT_NE(converted.text.find(
+                "p1: {left_hip_pitch: -30, left_knee: 60, left_ankle_pitch: -30, right_hip_pitch: -30, "
+                "right_knee: 60, right_ankle_pitch: -30}"),
+            std::string::npos)
+      << converted.text;
+  EXPECT_TRUE(
+      has(converted.report, "limits or level soles say that l_calf, r_hip_pitch, r_ankle_pitch turn"));
+}
+
 }  // namespace
 }  // namespace koboshi::tools

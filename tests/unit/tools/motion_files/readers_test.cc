@@ -165,6 +165,26 @@ TEST(PoseSeq, NumbersJointsAndKeepsTheLastOfTwoPosesAtOneTime) {
   EXPECT_NE(notes_of(motion).find("stationary points"), std::string::npos);
 }
 
+TEST(PoseSeq, MergesPosesAtOneTimeAndWaitsForShortTransitions) {
+  const ForeignMotion motion = read_one(
+      "type: PoseSeq\nrefs:\n"
+      "  - {time: 0, refer: {type: Pose, joints: [3, 7], q: [0.25, 0]}}\n"
+      "  - {time: 0, refer: {type: Pose, joints: [7], q: [1]}}\n"
+      "  - {time: 3, maxTransitionTime: 1.25, refer: {type: Pose, joints: [7], q: [2]}}\n"
+      "  - {time: 4, maxTransitionTime: 0, refer: {type: Pose, joints: [7], q: [3]}}\n"
+      "  - {time: 5, maxTransitionTime: 1.5, refer: {type: Pose, joints: [7], q: [4]}}\n");
+  const auto& frames = motion.sections[0].frames;
+  ASSERT_EQ(frames.size(), 4u);
+  EXPECT_EQ(frames[0].values, (std::vector<ForeignValue>{0.25, 1.0}));
+  EXPECT_EQ(frames[0].pause_us, 1'750'000);
+  EXPECT_EQ(frames[1].move_us, 1'250'000);
+  EXPECT_EQ(frames[1].pause_us, 0);
+  EXPECT_EQ(frames[2].move_us, 1'000'000);
+  EXPECT_EQ(frames[3].move_us, 1'000'000);
+  EXPECT_NE(notes_of(motion).find("line 4: replaces the angles of the pose above"), std::string::npos)
+      << notes_of(motion);
+}
+
 TEST(RoboplusText, HasPagesWithFollowersAndSpeeds) {
   const std::string file =
       "type=motion\nversion=1.01\nenable=0 1 1\n"

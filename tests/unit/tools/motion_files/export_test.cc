@@ -1,0 +1,155 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "base/text/error.h"
+#include "sim_board/description/load.h"
+#include "simulation/motion_language/compile/compile.h"
+#include "simulation/motion_language/parse/parse.h"
+#include "tests/support/temporary_folder.h"
+#include "tools/motion_files/convert.h"
+#include "tools/motion_files/joint_map.h"
+#include "tools/motion_files/readers.h"
+#include "tools/motion_files/writers.h"
+
+namespace koboshi::tools {
+namespace {
+
+using testing::HasSubstr;
+
+// Servo numbers of some joints, and a name.
+constexpr const char* kServos = R"(version: 1
+joints:
+  13: {joint: right_knee, sign: 1, zero_ticks: 2000, ticks_per_turn: 4096}
+  14: {joint: left_knee, sign: -1}
+  19: {joint: head_pan, zero_deg: 5}
+  LegLowerL: {joint: left_knee, sign: -1}
+)";
+
+class ExportTest : public testing::Test {
+ protected:
+  ExportTest() { test::write_file(map, kServos); }
+
+  ExportedMotion exported(const std::string& text, const std::string& format) const {
+    const simulation::MotionFile file = simulation::read_motion_text("motion.yaml", text);
+    simulation::Diagnostics messages(file.path, file.text);
+    const simulation::MotionSource source = simulation::parse_motion(file, model, messages);
+    messages.throw_errors();
+    return export_motion(source, *writable_format(format), robot, model, map);
+  }
+  std::string imported(const std::string& bytes) const {
+    const ForeignMotion motion = read_foreign_motions("file", bytes).front();
+    return convert_motion("file", motion, find_joints("file", motion, robot, map), model).text;
+  }
+  // The frames without the first line, which names the format, the motion's name, and the interpolation.
+  static std::string frames_of(const std::string& text) { return text.substr(text.find("poses:")); }
+
+  const test::TemporaryFolder folder;
+  const std::filesystem::path map = folder.path / "map.yaml";
+  const sim_board::RobotDescription robot =
+      sim_board::load_robot(std::string(KOBOSHI_SOURCE_DIR) + "/robots/koboshi/robot.sdf");
+  const simulation::NamedModel model = simulation::load_named_model(robot);
+};
+
+// Times that a controller's cycles of 8 ms can express, partial poses, no pauses.
+constexpr const char* kMotion = R"(version: 2
+robot: koboshi
+name: squat
+poses:
+  p1: {left_knee: 10.127, right_knee: 20.5, head_pan: 0}
+  p2: {left_knee: 60.033, right_knee: 0}
+  p3: {left_knee: 12, right_knee: 35.001, head_pan: 30}
+steps:
+  - {pose: p1, time_s: 1}
+  - {pose: p2, time_s: 0.352}
+  - {pose: p3, time_s: 0.4}
+)";
+
+TEST_F(ExportTest, RoundTripsAreTheIdentity) {
+  for (const std::string format : {"webots", "csv", "bit-bots", "pseq"}) {
+    const std::string bytes = exported(kMotion, format).bytes;
+    const std::string text = imported(bytes);
+    EXPECT_EQ(
+        frames_of(text),
+        "poses:\n"
+        "  p1: {left_knee: 10.127, right_knee: 20.5, head_pan: 0}\n"
+        "  p2: {left_knee: 60.033, right_knee: 0}\n"
+        "  p3: {left_knee: 12, right_knee: 35.001, head_pan: 30}\n"
+        "steps:\n  - {pose: p1, time_s: 1}\n  - {pose: p2, time_s: 0.352}\n  - {pose: p3, time_s: 0.4}\n")
+        << format;
+    EXPECT_EQ(imported(exported(text, format).bytes), text) << format;
+  }
+}
+
+TEST_F(ExportTest, RoundTripsInTicksAreTheIdentityFromTheFirstImportOn) {
+  for (const std::string format : {"mtn", "bin"}) {
+    const std::string bytes = exported(kMotion, format).bytes;
+    const std::string text = imported(bytes);
+    EXPECT_THAT(text, HasSubstr("{pose: p2, time_s: 0.352}")) << format;
+    EXPECT_THAT(text, HasSubstr("left_knee: 10.107")) << format;  // 115 ticks of 360 / 4096 degrees
+    EXPECT_EQ(imported(exported(text, format).bytes), text) << format;
+    EXPECT_EQ(exported(text, format).bytes, bytes) << format;
+  }
+}
+
+TEST_F(ExportTest, UsesNamesNumbersAndSignsOfTheMap) {
+  const std::string webots = exported(kMotion, "webots").bytes;
+  EXPECT_THAT(webots, HasSubstr("#WEBOTS_MOTION,V1.0,LegLowerL,right_knee,head_pan\n00:01:000,Pose1,-0.17"));
+  EXPECT_THAT(webots, HasSubstr("00:01:352,Pose2,-1.0477735,0.0000000,*\n"));
+  EXPECT_THAT(exported(kMotion, "mtn").bytes, HasSubstr("enable=0 0 0 0 0 0 0 0 0 0 0 0 0 1 1 0 0 0 0 1\n"));
+}
+
+TEST_F(ExportTest, KeepsPausesTorqueAndLoops) {
+  const std::string motion =
+      "version: 2\nrobot: koboshi\nname: a\nposes:\n  p: {left_knee: 10}\n  q: {left_knee: 20}\nsteps:\n"
+      "  - loop:\n      times: 2\n      steps:\n        - {pose: p, time_s: 1, pause_s: 0.2}\n        - "
+      "{wait_s: 0.04}\n"
+      "  - {pose: q, time_s: 1, stiffness: {left_knee: 0}}\n";
+  const ForeignMotion frames = read_foreign_motions("file", exported(motion, "bit-bots").bytes).front();
+  const auto& list = frames.sections.front().frames;
+  ASSERT_EQ(list.size(), 3u);
+  EXPECT_EQ(list[1].pause_us, 240'000);
+  EXPECT_TRUE(list[1].without_torque.empty());
+  EXPECT_EQ(list[2].without_torque.size(), 1u);
+  EXPECT_NEAR(exported(motion, "csv").duration_s, 3.48, 1e-9);
+  EXPECT_THAT(exported(motion, "csv").report, testing::Contains(HasSubstr("no joints without torque")));
+}
+
+TEST_F(ExportTest, DividesLongMotionsIntoPagesAndSlowsThem) {
+  std::string motion =
+      "version: 2\nrobot: koboshi\nname: long\nposes:\n  p: {left_knee: 10}\n  q: {left_knee: 20}\nsteps:\n";
+  for (int i = 0; i < 9; ++i)
+    motion += i % 2 == 0 ? "  - {pose: p, time_s: 4.003}\n" : "  - {pose: q, time_s: 0.8}\n";
+  for (const std::string format : {"mtn", "bin"}) {
+    const std::string bytes = exported(motion, format).bytes;
+    const std::vector<ForeignMotion> pages = read_foreign_motions("file", bytes);
+    ASSERT_EQ(pages.size(), 2u) << format;
+    std::size_t frames = 0;
+    std::int64_t time_us = 0;
+    for (const ForeignSection& section : pages.front().sections) {
+      for (const ForeignFrame& frame : section.frames) {
+        ++frames;
+        time_us += frame.move_us;
+      }
+    }
+    EXPECT_EQ(frames, 9u) << format;
+    EXPECT_NEAR(static_cast<double>(time_us), 23.215e6, format == "bin" ? 9 * 9e3 : 0.0) << format;
+  }
+  EXPECT_EQ(exported(motion, "bin").bytes.size(), 256u * 512u);
+  EXPECT_THAT(exported(motion, "bin").report, testing::Contains(HasSubstr("times are rounded by up to")));
+}
+
+TEST_F(ExportTest, RefusesWhatKeyFramesCannotSay) {
+  const std::string begin =
+      "version: 2\nrobot: koboshi\nname: a\nposes: {p: {left_elbow: 10}}\nsteps:\n  - {pose: p, time_s: 1}\n";
+  EXPECT_THROW(
+      static_cast<void>(exported(begin + "  - {if: \"pitch_mdeg > 5\", then: [{wait_s: 1}]}\n", "csv")),
+      InputError);
+  EXPECT_THROW(static_cast<void>(exported(begin, "mtn")), InputError);  // the elbow has no number
+  EXPECT_NO_THROW(static_cast<void>(
+      exported(begin + "  - {expect: {pitch_deg: 0, roll_deg: 0, within_deg: 20}}\n", "csv")));
+}
+
+}  // namespace
+}  // namespace koboshi::tools

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim_board/description/description.h"
+#include "simulation/model/robot_model.h"
+#include "simulation/motion_language/parse/source.h"
+#include "tools/motion_files/foreign_motion.h"
+
+namespace koboshi::tools {
+
+// Writers of the formats. Each takes a motion of one section, with values in the format's unit and only
+// joints that the motion moves, and adds to its notes what the format cannot say. `body` names the robot.
+[[nodiscard]] std::string write_webots(ForeignMotion& motion);
+[[nodiscard]] std::string write_csv_motion(ForeignMotion& motion);
+[[nodiscard]] std::string write_bit_bots(ForeignMotion& motion);
+[[nodiscard]] std::string write_pose_seq(ForeignMotion& motion, const std::string& body);
+[[nodiscard]] std::string write_roboplus_text(ForeignMotion& motion);
+// A file of 256 pages. Throws InputError, naming `file`, for a motion that does not fit.
+[[nodiscard]] std::string write_roboplus_pages(const std::filesystem::path& file, ForeignMotion& motion);
+
+// The format with this name on the command line; nothing for another name.
+[[nodiscard]] std::optional<MotionFormat> writable_format(const std::string& name);
+[[nodiscard]] const std::vector<std::string>& writable_formats();
+
+struct ExportedMotion {
+  std::string bytes;
+  std::vector<std::string> report;
+  std::size_t frames = 0;
+  double duration_s = 0.0;
+};
+
+// Writes a motion of the motion language in the format of another maker. The joints' names, numbers, signs
+// and zeros are those of `map_file` (empty: none), then those of the robot's file. Throws InputError as
+// flatten_motion(), and for a joint without a number in a format that numbers its joints.
+[[nodiscard]] ExportedMotion export_motion(const simulation::MotionSource& source, MotionFormat format,
+                                           const sim_board::RobotDescription& robot,
+                                           const simulation::NamedModel& model,
+                                           const std::filesystem::path& map_file = {});
+
+}  // namespace koboshi::tools
