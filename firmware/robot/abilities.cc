@@ -17,7 +17,7 @@ std::uint16_t lost_abilities(const RobotModel& model) {
   lose(Ability::kContactSensing, !senses_contact);
   lose(Ability::kEarlyTouchdown, !senses_contact || !walks);
   lose(Ability::kWalking, !walks);
-  lose(Ability::kTurning, !walks || !model.find(kLeftHipYaw) || !model.find(kRightHipYaw));
+  lose(Ability::kTurning, !walks || !can_turn(model));
   lose(Ability::kArmSwing, !walks || !model.find(kLeftShoulderPitch) || !model.find(kRightShoulderPitch));
   return static_cast<std::uint16_t>(lost);
 }

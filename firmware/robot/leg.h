@@ -54,6 +54,9 @@ struct LegGeometry {
 // Returns whether both legs have such a geometry: the robot can walk by command.
 [[nodiscard]] bool can_walk(const RobotModel& model);
 
+// Returns whether both hips have a yaw joint: a robot that walks can turn its feet, and itself.
+[[nodiscard]] bool can_turn(const RobotModel& model);
+
 // Tolerances of LegAngles::reached, for the rounding of targets that are just reachable: of a distance, of an
 // angle (2^-18 turn, four units of a drive's position), of a sine (7.6e-6, a third of that angle). Set by
 // hand (2026-11-21), of the size of the solver's own error: forward of inverse kinematics errs by up to 1.1

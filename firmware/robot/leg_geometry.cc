@@ -164,4 +164,8 @@ bool can_walk(const RobotModel& model) {
          make_leg_geometry(model, hal::Side::kRight, geometry);
 }
 
+bool can_turn(const RobotModel& model) {
+  return model.find(JointRole::kLeftHipYaw).has_value() && model.find(JointRole::kRightHipYaw).has_value();
+}
+
 }  // namespace koboshi::robot

@@ -7,6 +7,7 @@
 #include "firmware/fixed/interpolation.h"
 #include "firmware/fixed/radians.h"
 #include "firmware/fixed/trigonometry.h"
+#include "firmware/robot/leg.h"
 #include "hal/port/period.h"
 
 namespace koboshi::walk {
@@ -82,9 +83,7 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
   KOBOSHI_ASSERT(is_possible() && targets.size() == model_.joint_count);
   gait_ = Gait(parameters);
   // Legs without hip yaw cannot turn the robot back to its heading.
-  const bool can_turn = model_.find(robot::JointRole::kLeftHipYaw).has_value() &&
-                        model_.find(robot::JointRole::kRightHipYaw).has_value();
-  if (!can_turn) gait_.heading_hold = Ratio();
+  if (!robot::can_turn(model_)) gait_.heading_hold = Ratio();
   pendulum_ = Pendulum(gait_.com_height);
   footsteps_ = Footsteps(gait_.step_width - gait_.zmp_inward * 2,
                          pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks)),

@@ -178,6 +178,8 @@ RunSummary RunRecorder::summary() const {
   summary.foot_slip_max_m = foot_slip_m_;
   for (const LostAbility& lost : find_lost_abilities(simulation_.model().model))
     summary.lost_abilities.push_back(lost.name);
+  for (const std::string& motion : simulation_.scenario().missing_motions)
+    summary.lost_abilities.push_back(motion);
   if (walk_) summary.walk = walk_->summary();
   return summary;
 }

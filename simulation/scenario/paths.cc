@@ -293,16 +293,32 @@ fs::path read_input(const YamlValue& value, const fs::path& folder, InputKind ki
   return read_path(value, folder);
 }
 
-fs::path read_robot_file(const YamlValue& value, const fs::path& folder, const fs::path& robot,
+namespace {
+
+// Returns the file that `given` names in the folder of a robot or of the robot of its name; empty if there is
+// none.
+fs::path find_robot_file(const fs::path& given, const fs::path& folder, const fs::path& robot,
                          const fs::path& subfolder) {
-  const fs::path given = value.text();
-  if (!find_referenced(folder, given).empty()) return read_path(value, folder);
   if (fs::path file = file_of_robot(robot, subfolder, given); !file.empty()) return file;
   // A copy of robot.sdf alone is still the robot of its name.
   const fs::path namesake =
       find_named(place_of(InputKind::kRobot), searched_folders(folder), model_name(robot));
-  if (fs::path file = file_of_robot(namesake, subfolder, given); !namesake.empty() && !file.empty())
-    return file;
+  return namesake.empty() ? fs::path() : file_of_robot(namesake, subfolder, given);
+}
+
+}  // namespace
+
+bool has_robot_file(const YamlValue& value, const fs::path& folder, const fs::path& robot,
+                    const fs::path& subfolder) {
+  const fs::path given = value.text();
+  return !find_referenced(folder, given).empty() || !find_robot_file(given, folder, robot, subfolder).empty();
+}
+
+fs::path read_robot_file(const YamlValue& value, const fs::path& folder, const fs::path& robot,
+                         const fs::path& subfolder) {
+  const fs::path given = value.text();
+  if (!find_referenced(folder, given).empty()) return read_path(value, folder);
+  if (fs::path file = find_robot_file(given, folder, robot, subfolder); !file.empty()) return file;
   throw value.error(
       "no file " + one_line(value.text()),
       "a path relative to the scenario's folder, to the repository's root or to the robot's folder");

@@ -64,5 +64,8 @@ std::filesystem::path read_input(const YamlValue& value, const std::filesystem::
 std::filesystem::path read_robot_file(const YamlValue& value, const std::filesystem::path& folder,
                                       const std::filesystem::path& robot,
                                       const std::filesystem::path& subfolder = {});
+// Returns whether that file exists.
+bool has_robot_file(const YamlValue& value, const std::filesystem::path& folder,
+                    const std::filesystem::path& robot, const std::filesystem::path& subfolder = {});
 
 }  // namespace koboshi::simulation

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/text/user_units.h"
+#include "firmware/motion/roles.h"
 #include "sim_board/description/load.h"
 #include "sim_board/engine/make_world.h"
 #include "simulation/scenario/events.h"
@@ -19,10 +20,21 @@ namespace fs = std::filesystem;
 
 constexpr double kMaxRun_s = 86400.0;
 
-std::vector<MotionChoice> read_motions(const YamlMap& root, const fs::path& folder, const fs::path& robot) {
+// Motions with a purpose: those that the behaviour plays by itself, and the way to the standing pose, which
+// is else a straight line in joint angles. A robot without one lacks an ability, but works.
+bool has_purpose(const std::string& name) {
+  return name == "stand" || std::ranges::find(motion::kMotionNames, name) != motion::kMotionNames.end();
+}
+
+std::vector<MotionChoice> read_motions(const YamlMap& root, const fs::path& folder, const fs::path& robot,
+                                       std::vector<std::string>& missing) {
   std::vector<MotionChoice> motions;
   if (!root.has("motions")) return motions;
   for (const YamlValue& value : root.list("motions")) {
+    if (has_purpose(value.text()) && !has_robot_file(value, folder, robot, "motions")) {
+      missing.push_back(value.text());
+      continue;
+    }
     const MotionChoice motion{.file = read_robot_file(value, folder, robot, "motions")};
     if (std::ranges::find(motions, motion.name(), &MotionChoice::name) != motions.end()) {
       throw value.error("a second motion named " + motion.name(), "motions of different names");
@@ -223,7 +235,7 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   scenario.robot = read_input(root.value("robot"), folder, InputKind::kRobot);
   scenario.robot_parameters = read_robot_parameters(scenario.robot);
   if (const auto plant = root.optional_child("plant")) add_plant(*plant, "", scenario.plant);
-  scenario.motions = read_motions(root, folder, scenario.robot);
+  scenario.motions = read_motions(root, folder, scenario.robot, scenario.missing_motions);
   scenario.gait = read_gait(root, folder, scenario.robot);
   scenario.duration_us = to_us(root.number("duration_s", {.min = 0.01, .max = kMaxRun_s}));
   scenario.seed = static_cast<std::uint64_t>(root.integer("seed", {.min = 0}, 1));

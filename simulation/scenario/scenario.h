@@ -216,6 +216,8 @@ struct Scenario {
   std::vector<PlantSetting> plant;    // in the order in which they are set
   std::optional<WorldChoice> world;   // empty: as the files describe it
   std::vector<MotionChoice> motions;  // the index is the motion's number in the controller
+  // Motions of the key `motions` with a purpose, such as `rise_prone`, that the robot does not have.
+  std::vector<std::string> missing_motions{};
   std::optional<GaitChoice> gait;
   std::uint64_t duration_us = 0;
   std::uint64_t seed = 1;

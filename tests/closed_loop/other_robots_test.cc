@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bus/can/sdo_transfer.h"
+#include "simulation/model/bus_load.h"
 #include "simulation/model/robot_model.h"
 #include "simulation/observe/run_recorder.h"
 #include "simulation/scenario/reader.h"
@@ -60,6 +61,7 @@ struct Walked {
   std::int64_t zmp_x = 0;  // 2011:05
   std::int64_t flags = 0;
   std::int64_t lost_bits = 0;
+  double bus_load = 0.0;  // 0..1, the mean of the run
   double contacts = 0.0;  // share of the cycles of the walk in which the contact of a foot is the true one
 };
 
@@ -90,6 +92,7 @@ Walked walk(const simulation::Scenario& scenario) {
   walked.forward_m = board.world().body(0).X_WL.translation().x() - start_m;
   walked.up = height_of_up(board);
   walked.lost = recorder.summary().lost_abilities;
+  walked.bus_load = recorder.summary().can_bus_load;
   return walked;
 }
 
@@ -138,10 +141,15 @@ TEST_F(OtherRobots, WalksWithAWaistAndAnInertialUnitAboveIt) {
   EXPECT_GT(walked.up, 0.98);
 }
 
+// The measured load of the bus is the computed one. The start without heartbeats takes a twelfth of the run.
 TEST_F(OtherRobots, WalksWith31Joints) {
   const Walked walked = walk(scenario(without_ankle_sensors(with_longer_arms(with_waist(default_robot())))));
   EXPECT_GT(walked.forward_m, 0.2);
   EXPECT_GT(walked.up, 0.98);
+  const simulation::BusLoad computed = simulation::bus_load(31, /*sensors_on_bus=*/false);
+  RecordProperty("bus_load", std::to_string(walked.bus_load));
+  EXPECT_GT(walked.bus_load, 0.9 * computed.shortest);
+  EXPECT_LT(walked.bus_load, computed.longest);
 }
 
 TEST_F(OtherRobots, StandsOnFourJointsAndRefusesToWalk) {

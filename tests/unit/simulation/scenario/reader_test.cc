@@ -72,6 +72,19 @@ TEST(ScenarioReader, ReadsEverySetting) {
   EXPECT_DOUBLE_EQ(scenario.initial.joints[1].position_rad, -20.0 * kRadPerDegree);
 }
 
+// The robot lacks an ability, and works. A motion by another name is a mistake, as is a path.
+TEST(ScenarioReader, LeavesOutMotionsWithAPurposeThatTheRobotDoesNotHave) {
+  const TemporaryTree tree;
+  tree.write("robots/box/motions/bow.yaml", "version: 1\n");
+  const std::string text(kShort);
+  const Scenario scenario = read(tree, text + "motions: [stand, bow, rise_prone]\n");
+  ASSERT_EQ(scenario.motions.size(), 1u);
+  EXPECT_EQ(scenario.motions[0].name(), "bow");
+  EXPECT_EQ(scenario.missing_motions, (std::vector<std::string>{"stand", "rise_prone"}));
+  EXPECT_THROW(read(tree, text + "motions: [bow, dance]\n"), InputError);
+  EXPECT_THROW(read(tree, text + "motions: [motions/rise_prone.yaml]\n"), InputError);
+}
+
 TEST(ScenarioReader, ReplacesNumbersOfItsMotions) {
   const TemporaryTree tree;
   tree.write("robots/box/motions/bow.yaml",
