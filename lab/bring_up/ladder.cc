@@ -195,6 +195,7 @@ class Ladder {
   static void reach(Rung& rung, const std::string& figure) {
     rung.result = Rung::Result::kReached;
     rung.figure = figure;
+    rung.cause.clear();  // of a try before the search
   }
 
   // --- Files
@@ -202,7 +203,7 @@ class Ladder {
   static void check_writable(const std::filesystem::path& file) {
     std::error_code missing;
     if (std::filesystem::exists(file, missing) &&
-        read_text_file(file, "a file").find("Written by ") == std::string::npos)
+        read_text_file(file, "a file").find("Written by koboshi bring-up") == std::string::npos)
       throw InputError(file, 0, "a file that bring-up has not written",
                        "none, or one of an earlier bring-up: move it away");
   }
