@@ -16,7 +16,7 @@ class InputError : public std::runtime_error {
   // counts errors by it. Default: `expected`.
   InputError(const std::filesystem::path& file, int line, const std::string& found,
              const std::string& expected, const std::string& limit = {})
-      : std::runtime_error(utf8_text(file.string() + (line > 0 ? ":" + std::to_string(line) : std::string()) +
+      : std::runtime_error(utf8_line(file.string() + (line > 0 ? ":" + std::to_string(line) : std::string()) +
                                      ": found " + found + ", expected " + expected)),
         file_(file),
         line_(line),

@@ -303,6 +303,17 @@ std::string utf8_text(std::string_view text) {
   return valid;
 }
 
+std::string utf8_line(std::string_view text) {
+  std::string line;
+  for (const char c : utf8_text(text)) {
+    if (c == '\n')
+      line += escape(U'\n');
+    else
+      line += c;
+  }
+  return line;
+}
+
 std::string one_line(std::string_view text) {
   std::size_t length = std::min(text.size(), kMaxQuoteLength);
   while (length < text.size() && length > 0 && is_continuation(text[length])) --length;

@@ -36,6 +36,8 @@ std::size_t find_invalid_utf8(std::string_view text);
 void require_utf8(std::string_view text, const std::filesystem::path& source, bool has_lines = true);
 // Returns the text with \xNN for bytes that are not UTF-8, and escapes for characters that one cannot see.
 std::string utf8_text(std::string_view text);
+// The same on one line: a line feed becomes \x0A.
+std::string utf8_line(std::string_view text);
 
 // The rule for all names (of robots, links, joints, servo types, materials, motions, poses, files): at least
 // one character, no control characters (also U+0080 to U+009F), no white space at either end. Returns the
