@@ -2,7 +2,10 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "mechanics/vector_clones.h"
 
 namespace koboshi::mechanics {
 namespace {
@@ -35,6 +38,7 @@ void BoxLcp::resize(std::size_t rows) {
   if (A_.size() < rows * rows) {
     A_.resize(rows * rows);
     factor_.resize(rows * rows);
+    together_.resize(rows);
     for (auto* vector : {&b_, &x_, &diagonal_inverse_, &free_x_}) vector->resize(rows);
     free_.reserve(rows);
   }
@@ -71,8 +75,10 @@ void BoxLcp::begin() {
   }
   for (std::size_t place = free_.size(); place-- > 0;)
     if (sides_[free_[place]] != Side::kFree) hold(place, sides_[free_[place]]);
+  const bool is_new = free_.empty();
   for (std::size_t i = 0; i < rows_; ++i)
-    if (sides_[i] == Side::kFree && std::ranges::find(free_, i) == free_.end()) free_.push_back(i);
+    if (sides_[i] == Side::kFree && (is_new || std::ranges::find(free_, i) == free_.end()))
+      free_.push_back(i);
 }
 
 void BoxLcp::hold(std::size_t place, Side side) {
@@ -85,17 +91,59 @@ void BoxLcp::hold(std::size_t place, Side side) {
 }
 
 bool BoxLcp::factorise() {
-  for (; factorised_ < free_.size(); ++factorised_) {
-    const std::size_t i = factorised_;
-    const double* const entries = &A_[free_[i] * rows_];
-    double* const row = &factor_[i * rows_];
-    for (std::size_t j = 0; j < i; ++j)
-      row[j] = (entries[free_[j]] - product(row, &factor_[j * rows_], j)) * diagonal_inverse_[j];
-    const double square = entries[free_[i]] - product(row, row, i);
-    if (!(square > 0.0)) return false;
-    row[i] = std::sqrt(square);
-    diagonal_inverse_[i] = 1.0 / row[i];
+  while (factorised_ < free_.size()) {
+    const std::size_t first = factorised_;
+    const std::size_t rows = std::min(free_.size() - first, Lanes::kCount);
+    const bool is_together = rows == Lanes::kCount && first > 0;
+    if (is_together) factorise_together(first);
+    for (std::size_t row = first; row < first + rows; ++row, ++factorised_)
+      if (!factorise_row(row, is_together ? first : 0)) return false;
   }
+  return true;
+}
+
+// Computes the elements of four rows in the columns before the first of them. The products are summed in the
+// order of product().
+KOBOSHI_VECTOR_CLONES void BoxLcp::factorise_together(std::size_t first) {
+  std::array<const double*, Lanes::kCount> entries;
+  for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) entries[lane] = &A_[free_[first + lane] * rows_];
+  for (std::size_t j = 0; j < first; ++j) {
+    const double* const factor = &factor_[j * rows_];
+    Four sum0 = {}, sum1 = {}, sum2 = {}, sum3 = {};
+    std::size_t k = 0;
+    for (; k + 4 <= j; k += 4) {
+      sum0 += together_[k].all * factor[k];
+      sum1 += together_[k + 1].all * factor[k + 1];
+      sum2 += together_[k + 2].all * factor[k + 2];
+      sum3 += together_[k + 3].all * factor[k + 3];
+    }
+    sum0 += sum2;
+    sum1 += sum3;
+    if (k + 2 <= j) {
+      sum0 += together_[k].all * factor[k];
+      sum1 += together_[k + 1].all * factor[k + 1];
+      k += 2;
+    }
+    sum0 += sum1;
+    if (k < j) sum0 += together_[k].all * factor[k];
+    const std::size_t column = free_[j];
+    const Four entry = {entries[0][column], entries[1][column], entries[2][column], entries[3][column]};
+    together_[j].all = (entry - sum0) * diagonal_inverse_[j];
+    for (std::size_t lane = 0; lane < Lanes::kCount; ++lane)
+      factor_[(first + lane) * rows_ + j] = together_[j][lane];
+  }
+}
+
+// Computes a row of the factor from the column `first` on.
+bool BoxLcp::factorise_row(std::size_t row, std::size_t first) {
+  const double* const entries = &A_[free_[row] * rows_];
+  double* const factor = &factor_[row * rows_];
+  for (std::size_t j = first; j < row; ++j)
+    factor[j] = (entries[free_[j]] - product(factor, &factor_[j * rows_], j)) * diagonal_inverse_[j];
+  const double square = entries[free_[row]] - product(factor, factor, row);
+  if (!(square > 0.0)) return false;
+  factor[row] = std::sqrt(square);
+  diagonal_inverse_[row] = 1.0 / factor[row];
   return true;
 }
 

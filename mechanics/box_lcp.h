@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "mechanics/lanes.h"
+
 namespace koboshi::mechanics {
 
 // Solves the linear complementarity problem with bounds: x and w = A x - b such that for each row
@@ -51,6 +53,8 @@ class BoxLcp {
  private:
   void begin();
   bool factorise();
+  void factorise_together(std::size_t first);
+  bool factorise_row(std::size_t row, std::size_t first);
   bool solve_free();
   // Moves x towards the solution of the free rows. Returns false if a row reached a bound, which then holds
   // it.
@@ -72,7 +76,8 @@ class BoxLcp {
   std::vector<double> factor_;
   std::vector<double> diagonal_inverse_;
   std::size_t factorised_ = 0;
-  std::vector<double> free_x_;  // solution of the free rows, in their order
+  std::vector<Lanes> together_;  // elements of four rows of the factor, by column
+  std::vector<double> free_x_;   // solution of the free rows, in their order
   std::uint64_t iterations_ = 0;
 };
 

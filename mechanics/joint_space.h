@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
 
+#include "mechanics/lanes.h"
 #include "mechanics/spatial.h"
 
 namespace koboshi::mechanics {
@@ -59,11 +61,18 @@ class JointSpace {
   // Solves for the speeds under the momenta, drives and slips alone.
   void solve();
 
+  // Dofs that move the body, from the root on, in increasing order.
+  std::span<const std::size_t> path(std::size_t body) const;
+
   // Rows of constraints. A row's Jacobian in joint coordinates is J; its reduced form is y = L'^-1 J', so
   // that the inverse inertia between two rows, J_r (H + damping)^-1 J_s', is the product of their reduced
-  // forms. Adds to J an impulse on a body for each unit of the row's impulse. `J` has dofs() elements.
-  void add_to_jacobian(std::size_t body, const Vector6& impulse, std::span<double> J) const;
-  void reduce(std::span<double> J) const;
+  // forms. Four rows are treated at once, as the lanes of `J`, which has dofs() elements.
+  //
+  // Adds to J four impulses on a body, each for a unit of its row's impulse; `impulses` is by coordinate.
+  void add_to_jacobian(std::size_t body, std::span<const Lanes, 6> impulses, std::span<Lanes> J) const;
+  // `support` contains all dofs for which J is not zero and those between them and the root, in increasing
+  // order.
+  void reduce(std::span<const std::size_t> support, std::span<Lanes> J) const;
   // Adds the response to the impulses of rows, given as the sum of their reduced forms times their impulses.
   // Overwrites the argument.
   void apply(std::span<double> reduced_sum);
@@ -80,11 +89,14 @@ class JointSpace {
  private:
   static constexpr std::size_t kRootDofs = 6;
   static constexpr int kNone = -1;
+  static constexpr std::size_t kBlock = 4;  // elements of L_ that are combined at once
 
-  bool is_free(int dof) const { return dof >= static_cast<int>(first_free_); }
-  double* row(std::size_t dof) { return &L_[dof * dofs()]; }
-  const double* row(std::size_t dof) const { return &L_[dof * dofs()]; }
+  const std::size_t* path_to(std::size_t dof) const { return &paths_[dof * dofs()]; }
+  double* row(std::size_t dof) { return &L_[dof * stride_]; }
+  const double* row(std::size_t dof) const { return &L_[dof * stride_]; }
+  void make_paths(std::span<const int> before);
   void fill_matrix();
+  bool factorise_rows();
   void solve_transposed(std::span<double> x) const;  // L' x = b in place
   void solve_lower(std::span<double> x) const;       // L x = b in place
   void update_velocities();
@@ -95,11 +107,16 @@ class JointSpace {
   std::vector<Vector6> slips_;           // by joint
   std::vector<std::size_t> first_dofs_;  // by joint
   std::vector<int> last_dof_;            // by body: the last dof that moves it
-  std::vector<int> before_;              // by dof: the next dof towards the root
-  std::vector<std::size_t> moved_;       // by dof: the first body that it moves
-  std::size_t first_free_ = 0;
+  // By dof: the number of dofs between it and the root, and these dofs, from the root on, then itself.
+  std::vector<std::size_t> depths_;
+  std::vector<std::size_t> paths_;
+  std::vector<std::size_t> moved_;        // by dof: the first body that it moves
+  std::size_t first_free_ = 0;            // dof, and place in a path, which begins with the dofs of the root
   std::vector<SpatialInertia> inertias_;  // by body: of it and all bodies behind it
-  std::vector<double> L_;                 // row by row; lower triangle
+  // Row by row, with stride_ elements each: those for the dofs of its path, in the path's order. The path of
+  // a dof begins with the path of each dof in it, so that rows are combined element by element.
+  std::vector<double> L_;
+  std::size_t stride_ = 0;
   std::vector<double> diagonal_inverse_;
   std::vector<double> speeds_;
   std::vector<Vector6> velocities_;  // by body

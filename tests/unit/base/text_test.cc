@@ -80,6 +80,7 @@ TEST(OneLine, ShowsWhatNobodySees) {
   for (const std::string seen : {"\u00E9", "\u03B1", "\u05D0", "\u81E7", "\U0001F916", "\u00B0"})
     EXPECT_EQ(one_line(seen), seen);
   EXPECT_EQ(utf8_text("\x1B[2J\n"), "\\x1B[2J\n");
+  EXPECT_EQ(utf8_line("\x1B[2J\n\na"), "\\x1B[2J\\x0A\\x0Aa");
 }
 
 TEST(InputErrorText, IsUtf8WhateverItQuotes) {
@@ -90,6 +91,7 @@ TEST(InputErrorText, IsUtf8WhateverItQuotes) {
   EXPECT_STREQ(error.what(),
                "f\\xFC"
                "r.yaml:3: found \\xFF, expected a name");
+  EXPECT_STREQ(InputError("a\nb", 1, "c\nd", "e\n").what(), "a\\x0Ab:1: found c\\x0Ad, expected e\\x0A");
   EXPECT_EQ(error.file(),
             "f\xFC"
             "r.yaml");

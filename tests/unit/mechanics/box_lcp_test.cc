@@ -166,5 +166,41 @@ TEST(BoxLcp, RejectsAMatrixThatIsNotPositiveDefinite) {
   EXPECT_FALSE(lcp.solve());
 }
 
+// Row by row, with Eigen's dot products: the order of operations that runs had before rows were factorised
+// four at a time, and that their bits depend on.
+Eigen::VectorXd solve_row_by_row(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Eigen::Index rows = b.size();
+  RowMajor L = RowMajor::Zero(rows, rows);
+  Eigen::VectorXd inverses(rows);
+  const auto product = [](const double* one, const double* other, Eigen::Index size) {
+    return Eigen::VectorXd::Map(one, size).dot(Eigen::VectorXd::Map(other, size));
+  };
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) L(i, j) = (A(i, j) - product(&L(i, 0), &L(j, 0), j)) * inverses[j];
+    L(i, i) = std::sqrt(A(i, i) - product(&L(i, 0), &L(i, 0), i));
+    inverses[i] = 1.0 / L(i, i);
+  }
+  Eigen::VectorXd x = b;
+  for (Eigen::Index i = 0; i < rows; ++i) x[i] = (x[i] - product(&L(i, 0), x.data(), i)) * inverses[i];
+  for (Eigen::Index i = rows; i-- > 0;) {
+    x[i] *= inverses[i];
+    for (Eigen::Index j = 0; j < i; ++j) x[j] -= L(i, j) * x[i];
+  }
+  return x;
+}
+
+TEST(BoxLcp, FactorisesFourRowsAtATimeWithTheBitsOfOne) {
+  sim_board::RandomStream random(7, "four rows");
+  for (Eigen::Index rows = 1; rows <= 21; ++rows) {
+    Problem problem = random_problem(random, rows, 6, 1e-3);
+    problem.bounds.assign(static_cast<std::size_t>(rows), {-kInfinity, kInfinity});
+    BoxLcp lcp(1);
+    load(lcp, problem);
+    ASSERT_TRUE(lcp.solve());
+    EXPECT_EQ(solution(lcp), solve_row_by_row(problem.A.transpose(), problem.b)) << rows << " rows";
+  }
+}
+
 }  // namespace
 }  // namespace koboshi::mechanics
