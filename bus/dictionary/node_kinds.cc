@@ -11,7 +11,7 @@ namespace koboshi::tools {
 namespace {
 
 // As much as the nodes' own NodeMemory holds.
-constexpr NodeCapacity kControllerCapacity{.rpdos = app::kFirstDriveRpdo + robot::kMaxJoints,
+constexpr NodeCapacity kControllerCapacity{.rpdos = app::kRpdos,
                                            .tpdos = app::kTelemetryTpdos + robot::kMaxJoints,
                                            .heartbeat_consumers = robot::kMaxJoints};
 constexpr NodeCapacity kDriveCapacity{.rpdos = 4, .tpdos = 4, .heartbeat_consumers = 2};
@@ -45,19 +45,23 @@ NodeKind kind_of(sim_board::SensorKind sensor) {
 
 InstanceDefaults drive_connections(const robot::RobotModel& robot) {
   InstanceDefaults made;
+  // A large robot leaves some of the telemetry out.
+  made.tpdos.resize(app::kTelemetryTpdos - app::controller_node(robot).tpdos.size());
   for (std::size_t joint = 0; joint < robot.joint_count; ++joint) {
-    using enum canopen::PdoDirection;
-    made.rpdos.push_back(app::drive_pdo(kReceive, app::kFirstDriveRpdo + joint, robot));
-    made.tpdos.push_back(app::drive_pdo(kTransmit, app::kFirstDriveTpdo + joint, robot));
+    made.tpdos.push_back(
+        app::drive_pdo(canopen::PdoDirection::kTransmit, app::kFirstDriveTpdo + joint, robot));
     made.heartbeat_consumers.push_back(app::drive_consumer(joint, robot));
   }
+  // Those of the joint target stream lie behind those of the most drives.
+  for (std::size_t number = app::kFirstDriveRpdo; number < app::kRpdos; ++number)
+    made.rpdos.push_back(app::drive_pdo(canopen::PdoDirection::kReceive, number, robot));
   return made;
 }
 
 }  // namespace
 
 NodeKind controller_kind(const robot::RobotModel& robot, const app::ControllerValues& values) {
-  return make_kind<app::ControllerValues>("controller", app::kControllerNode, kControllerCapacity,
+  return make_kind<app::ControllerValues>("controller", app::controller_node(robot), kControllerCapacity,
                                           app::kControllerObjects, drive_connections(robot), values);
 }
 

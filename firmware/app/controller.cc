@@ -33,19 +33,21 @@ Controller::Controller(const hal::Board& board)
       items_(board.storage, storage::kRobotLogSize_bytes),
       model_valid_(load(catalogue_, model_)),
       motions_(catalogue_, items_, model_),
+      policy_(catalogue_, items_, model_),
       callbacks_({.values = values_,
                   .catalogue = catalogue_,
                   .model = model_,
                   .node = node_,
                   .items = items_,
                   .motions = motions_,
+                  .policy = policy_,
                   .drives = drives_,
                   .network = network_,
                   .behaviour = behaviour_,
                   .requests = requests_,
                   .executor = executor_}),
       sink_(board.can),
-      node_(kControllerNode,
+      node_(controller_node(model_),
             {.node_id = drive::kControllerNodeId,
              .serial_number = 1,
              .values = std::as_writable_bytes(std::span(&values_, 1))},
@@ -61,7 +63,8 @@ Controller::Controller(const hal::Board& board)
                   .recovery = values_.recovery}),
       feedback_(model_),
       requests_(values_, model_, behaviour_, estimator_, drives_),
-      executor_(board_.drive_enable, node_, network_, drives_, sensor_nodes_, model_valid_) {}
+      executor_(board_.drive_enable, node_, network_, drives_, sensor_nodes_, model_valid_),
+      policy_control_(policy_, model_, values_, node_) {}
 
 void Controller::service(std::uint64_t now_us) {
   board_.watchdog.kick(now_us);
@@ -91,12 +94,15 @@ void Controller::tick(std::uint64_t now_us) {
       estimator_.update(drives.angles, rests, now_us,
                         {.torques_permille = bus_values(values_).torques_permille,
                          .walks = last.feedback == balance::FeedbackMode::kWalking,
-                         .swing = last.swing});
+                         .swing = last.swing,
+                         .reference = last.reference,
+                         .stands_still = behaviour_.state() == behaviour::State::kStanding});
   const behaviour::Decision& decision = behaviour_.step({.robot = robot,
                                                          .drives = drives,
                                                          .network = network,
                                                          .values = bus_values(values_),
                                                          .now_us = now_us});
+  policy_control_.step(behaviour_, robot, {drives.angles.data(), model_.joint_count});
   requests_.end_calibration();
   executor_.execute(decision, now_us);
   limit_torques(decision);
@@ -113,6 +119,7 @@ void Controller::start(std::uint64_t now_us) {
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight})
     std::ranges::copy(estimator_.wrench(side), values_.ankles[static_cast<std::size_t>(side)]);
   motions_.load();
+  policy_.load();
   node_.start(now_us);
 }
 
@@ -143,12 +150,14 @@ void Controller::read_ankles(std::uint64_t now_us) {
 
 // --- Output
 
-// Adds the feedback to the targets of the decision, and clamps them to the joints' limits.
+// Adds the offsets of the policy and the feedback to the targets of the decision, and clamps them to the
+// joints' limits.
 Controller::JointAngles Controller::joint_targets(const behaviour::Decision& decision,
                                                   const estimation::RobotState& robot) const {
   JointAngles targets = decision.targets;
+  policy_control_.add_to(targets);
   feedback_.correct(decision.feedback, values_.feedback,
-                    estimation::trunk_motion(robot, decision.planned_pitch), targets);
+                    estimation::trunk_motion(robot, decision.planned_pitch), decision.support, targets);
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint)
     targets[joint] = robot::clamp_to_limits(model_.joints[joint], targets[joint]);
   return targets;

@@ -8,6 +8,7 @@
 #include "firmware/app/dictionary.h"
 #include "firmware/app/network_watch.h"
 #include "firmware/app/node_callbacks.h"
+#include "firmware/app/policy_control.h"
 #include "firmware/app/requests.h"
 #include "firmware/app/sensor_nodes.h"
 #include "firmware/balance/feedback.h"
@@ -16,6 +17,7 @@
 #include "firmware/drive/drive_group.h"
 #include "firmware/estimation/estimator.h"
 #include "firmware/motion/motion_library.h"
+#include "firmware/policy/policy_slot.h"
 #include "firmware/robot/model.h"
 #include "firmware/storage/catalogue.h"
 #include "firmware/storage/item_store.h"
@@ -34,6 +36,7 @@ namespace koboshi::app {
 //   samples      read_inertial_unit -> Estimator::add(ImuSample)              1 kHz, filters at 500 Hz
 //   estimation   Estimator::update(joint angles) -> RobotState                100 Hz
 //   behaviour    Behaviour::step(RobotState, DriveStatus, ...) -> Decision    100 Hz
+//   policy       PolicyControl::step: offsets on the walk's targets, if it is on      100 Hz
 //   balance      joint_targets(Decision, RobotState) -> JointAngles           100 Hz
 //   drives       command_drives(JointAngles)                                  100 Hz
 class Controller final {
@@ -54,6 +57,8 @@ class Controller final {
   // Returns the values behind the object dictionary, for tests and for the record of a run.
   const ControllerValues& values() const { return values_; }
   const robot::RobotModel& model() const { return model_; }
+  // Returns the offsets of the policy and the signals that it saw, for training.
+  const policy::Residual& residual() const { return policy_control_.residual(); }
 
  private:
   using JointAngles = std::array<fixed::Angle, robot::kMaxJoints>;
@@ -75,12 +80,11 @@ class Controller final {
   const bool model_valid_;
   ControllerValues values_;
   motion::MotionLibrary motions_;
+  policy::PolicySlot policy_;
 
   NodeCallbacks callbacks_;
   canopen::CanPortSink sink_;
-  canopen::NodeMemory<kFirstDriveRpdo + robot::kMaxJoints, kTelemetryTpdos + robot::kMaxJoints,
-                      robot::kMaxJoints, 32>
-      memory_;
+  canopen::NodeMemory<kRpdos, kTelemetryTpdos + robot::kMaxJoints, robot::kMaxJoints, 32> memory_;
   canopen::Node node_;
   drive::DriveGroup drives_;
   SensorNodes sensor_nodes_;
@@ -91,6 +95,7 @@ class Controller final {
   balance::Feedback feedback_;
   Requests requests_;
   DecisionExecutor executor_;
+  PolicyControl policy_control_;
 
   hal::ImuSample imu_sample_;   // a member, so that it need not be cleared each millisecond
   std::uint32_t softened_ = 0;  // joints whose torque the last decision limited; bit i: joint i

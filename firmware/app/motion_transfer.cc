@@ -1,72 +1,23 @@
 #include "firmware/app/motion_transfer.h"
 
-#include <algorithm>
-
 #include "firmware/canopen/node/stored_parameters.h"
-#include "firmware/motion/motion.h"
-#include "firmware/storage/image.h"
 
 namespace koboshi::app {
 
 using canopen::abort_code_of;
 using canopen::AbortCode;
 
-void MotionTransfer::select(std::uint16_t number, bool may_store) {
-  if (activity_ != Activity::kNone) return;
-  number_ = number;
-  image_ = motions_.image(number);
-  may_store_ = may_store;
-}
-
-AbortCode MotionTransfer::begin_upload(std::uint32_t& size_bytes) {
-  if (image_.empty()) return AbortCode::kNoData;
-  size_bytes = static_cast<std::uint32_t>(image_.size());
-  activity_ = Activity::kUpload;
-  items_.pin(storage::Holder::kTransfer, image_);
-  return AbortCode::kNone;
-}
-
-std::size_t MotionTransfer::read(std::uint32_t position, std::span<std::uint8_t> bytes) {
-  const auto rest = image_.subspan(std::min<std::size_t>(position, image_.size()));
-  const auto piece = rest.first(std::min(rest.size(), bytes.size()));
-  std::ranges::transform(piece, bytes.begin(),
-                         [](std::byte byte) { return std::to_integer<std::uint8_t>(byte); });
-  return piece.size();
-}
-
-AbortCode MotionTransfer::begin_download(std::uint32_t size_bytes) {
-  if (!may_store_) return AbortCode::kDeviceState;
-  // Refused before flash is erased; so is every expedited transfer.
-  if (size_bytes < storage::kImageHeaderSize) return AbortCode::kLengthTooLow;
-  const std::size_t size = size_bytes == kUnknownSize ? storage::ItemStore::kMaxItemSize_bytes : size_bytes;
-  const AbortCode begun = abort_code_of(items_.begin(storage::ItemKind::kMotion, number_, size));
-  if (begun == AbortCode::kNone) activity_ = Activity::kDownload;
-  checked_ = {};
-  return begun;
-}
-
-AbortCode MotionTransfer::write(std::span<const std::uint8_t> bytes) {
-  return abort_code_of(items_.append(std::as_bytes(bytes)));
-}
-
 AbortCode MotionTransfer::commit() {
-  if (checked_.step_count() == 0) {
+  if (!checked_) {
     const AbortCode flushed = abort_code_of(items_.flush());
     if (flushed != AbortCode::kNone) return flushed;
-    motion::Motion motion;
-    const bool valid = motion::Motion::open(items_.written(), model_, motion).ok();
-    if (!valid || motion.image_size_bytes() != items_.written().size()) return AbortCode::kInvalidValue;
-    checked_ = motion;
+    const bool valid = motion::Motion::open(items_.written(), model_, motion_).ok();
+    if (!valid || motion_.image_size_bytes() != items_.written().size()) return AbortCode::kInvalidValue;
+    checked_ = true;
   }
   const AbortCode committed = abort_code_of(items_.commit());
-  if (committed == AbortCode::kNone) motions_.add(number_, checked_);
+  if (committed == AbortCode::kNone) motions_.add(number_, motion_);
   return committed;
-}
-
-void MotionTransfer::release() {
-  if (activity_ == Activity::kDownload) items_.release();
-  if (activity_ == Activity::kUpload) items_.unpin(storage::Holder::kTransfer);
-  activity_ = Activity::kNone;
 }
 
 }  // namespace koboshi::app

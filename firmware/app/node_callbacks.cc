@@ -27,9 +27,14 @@ canopen::ParameterGroup stored_group(canopen::ParameterGroup group) {
 
 canopen::AbortCode NodeCallbacks::on_write(canopen::ObjectAddress address, std::uint32_t value) {
   if (address.index == kMotionCrcObject) return erase_motion(motion_number(address), value);
+  if (address.index == kPolicyCrcObject) return erase_policy(value);
   const canopen::AbortCode answer = parts_.requests.write(address, value, now_us_);
-  const bool walks = address.index == kRequestObject && static_cast<Command>(value) == Command::kWalk;
-  if (answer == AbortCode::kNone && (address.index == kVelocityObject || walks)) await_velocity();
+  if (answer == AbortCode::kNone) {
+    const bool commands = address.index == kRequestObject && address.subindex == kCommandSubindex;
+    const Command command = commands ? static_cast<Command>(value) : Command::kNone;
+    if (address.index == kVelocityObject || command == Command::kWalk) await_velocity();
+    if (address.index == kStreamObject || command == Command::kStream) await_stream();
+  }
   execute_decision();
   return answer;
 }
@@ -37,7 +42,14 @@ canopen::AbortCode NodeCallbacks::on_write(canopen::ObjectAddress address, std::
 // The deadline of the velocity covers every service that brings one, and a walk before the first one.
 void NodeCallbacks::await_velocity() { parts_.node.restart_rpdo_timer(kVelocityRpdo, now_us_); }
 
+// Likewise for the sets of a stream.
+void NodeCallbacks::await_stream() { parts_.node.restart_rpdo_timer(kStreamRpdo, now_us_); }
+
 bool NodeCallbacks::on_rpdo(std::size_t number) {
+  if (number >= kStreamRpdo) {
+    if (number == kStreamRpdo) static_cast<void>(parts_.requests.take_set(parts_.values.stream.sequence));
+    return true;
+  }
   if (number >= kFirstDriveRpdo) {
     parts_.drives.on_answer(number - kFirstDriveRpdo);
     return true;
@@ -47,14 +59,16 @@ bool NodeCallbacks::on_rpdo(std::size_t number) {
   if (number == kCommandRpdo) {
     accepted = parts_.requests.take_command(now_us_);
     if (parts_.values.request.command == Command::kWalk) await_velocity();
+    if (parts_.values.request.command == Command::kStream) await_stream();
   }
   execute_decision();
   return accepted;
 }
 
 // The program that repeats the velocity of a walk is gone: nobody could stop the robot. A robot that does not
-// walk needs no velocity.
+// walk needs no velocity. The same holds for a stream.
 bool NodeCallbacks::on_rpdo_timeout(std::size_t number) {
+  if (number == kStreamRpdo) return parts_.behaviour.stop_stream();
   return number != kVelocityRpdo || parts_.behaviour.stop_walk();
 }
 
@@ -66,6 +80,10 @@ void NodeCallbacks::execute_decision() {
 // --- Storage
 
 canopen::Domain* NodeCallbacks::domain(canopen::ObjectAddress address) {
+  if (address.index == kPolicyObject) {
+    policy_transfer_.select(may_store());
+    return &policy_transfer_;
+  }
   motion_transfer_.select(motion_number(address), may_store());
   return &motion_transfer_;
 }
@@ -75,6 +93,12 @@ canopen::AbortCode NodeCallbacks::on_read(canopen::ObjectAddress address, canope
     value.set_number(static_cast<std::uint32_t>(parts_.items.free_bytes()), 4);
     return AbortCode::kNone;
   }
+  if (address.index == kPolicyParameterObject) {
+    value.set_number(static_cast<std::uint32_t>(parts_.policy.status()), 1);
+    return AbortCode::kNone;
+  }
+  if (address.index == kPolicyNameObject || address.index == kPolicyCrcObject)
+    return read_policy(address, value);
   motion::Motion motion;
   const auto image = parts_.motions.open_image(motion_number(address), motion);
   if (image.empty()) return AbortCode::kNoData;
@@ -86,11 +110,29 @@ canopen::AbortCode NodeCallbacks::on_read(canopen::ObjectAddress address, canope
   return AbortCode::kNone;
 }
 
+AbortCode NodeCallbacks::read_policy(canopen::ObjectAddress address, canopen::ObjectValue& value) {
+  const policy::Policy* const policy = parts_.policy.open();
+  if (policy == nullptr) return AbortCode::kNoData;
+  if (address.index == kPolicyNameObject) {
+    value.copy_text(policy->name());
+  } else {
+    value.set_number(policy->crc32(), 4);
+  }
+  return AbortCode::kNone;
+}
+
 // Erases a motion when a client writes 0 as its CRC.
 canopen::AbortCode NodeCallbacks::erase_motion(std::uint16_t number, std::uint32_t value) {
   if (value != 0) return AbortCode::kInvalidValue;
   if (!may_store()) return AbortCode::kDeviceState;
   return canopen::abort_code_of(parts_.motions.erase(number));
+}
+
+// Likewise.
+canopen::AbortCode NodeCallbacks::erase_policy(std::uint32_t value) {
+  if (value != 0) return AbortCode::kInvalidValue;
+  if (!may_store()) return AbortCode::kDeviceState;
+  return canopen::abort_code_of(parts_.policy.erase());
 }
 
 canopen::AbortCode NodeCallbacks::on_store(canopen::ParameterGroup group) {
@@ -109,6 +151,7 @@ void NodeCallbacks::on_reset(NmtCommand reset) {
   const bool node = reset == NmtCommand::kResetNode;
   if (node) parts_.values.request = {};
   if (node) parts_.values.motion = {};
+  if (node) parts_.values.stream = {};
   parts_.behaviour.restart(node, now_us_);
   execute_decision();
   if (node) {

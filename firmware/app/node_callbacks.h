@@ -7,12 +7,14 @@
 #include "firmware/app/dictionary.h"
 #include "firmware/app/motion_transfer.h"
 #include "firmware/app/network_watch.h"
+#include "firmware/app/policy_transfer.h"
 #include "firmware/app/requests.h"
 #include "firmware/behaviour/behaviour.h"
 #include "firmware/canopen/node/node.h"
 #include "firmware/canopen/node/stored_parameters.h"
 #include "firmware/drive/drive_group.h"
 #include "firmware/motion/motion_library.h"
+#include "firmware/policy/policy_slot.h"
 #include "firmware/robot/model.h"
 #include "firmware/storage/catalogue.h"
 #include "firmware/storage/item_store.h"
@@ -21,7 +23,8 @@ namespace koboshi::app {
 
 // Receives the callbacks of the controller's CANopen node (CiA 301). Passes requests, resets and messages of
 // the drives to Requests, Behaviour and DriveGroup, and executes at once what the behaviour decides about
-// them. Stores parameters (0x1010, 0x1011) and motions (0x2400 to 0x2404).
+// them. Stores parameters (0x1010, 0x1011), motions (0x2400 to 0x2404) and the policy (0x2420
+// to 0x2422).
 class NodeCallbacks final : public canopen::NodeApplication {
  public:
   struct Parts {
@@ -31,6 +34,7 @@ class NodeCallbacks final : public canopen::NodeApplication {
     canopen::Node& node;
     storage::ItemStore& items;
     motion::MotionLibrary& motions;
+    policy::PolicySlot& policy;
     drive::DriveGroup& drives;
     NetworkWatch& network;
     behaviour::Behaviour& behaviour;
@@ -42,7 +46,8 @@ class NodeCallbacks final : public canopen::NodeApplication {
   explicit NodeCallbacks(const Parts& parts)
       : parts_(parts),
         parameters_(parts.items, parts.node),
-        motion_transfer_(parts.items, parts.model, parts.motions) {}
+        motion_transfer_(parts.items, parts.model, parts.motions),
+        policy_transfer_(parts.items, parts.model, parts.policy) {}
 
   // Sets the time of the callbacks that follow; to be called before the node processes anything.
   void set_time(std::uint64_t now_us) { now_us_ = now_us; }
@@ -72,8 +77,11 @@ class NodeCallbacks final : public canopen::NodeApplication {
   void on_impostor(std::uint16_t identifier) override;
 
   bool may_store() const { return behaviour::kMayStore.contains(parts_.behaviour.state()); }
+  canopen::AbortCode read_policy(canopen::ObjectAddress address, canopen::ObjectValue& value);
   canopen::AbortCode erase_motion(std::uint16_t number, std::uint32_t value);
+  canopen::AbortCode erase_policy(std::uint32_t value);
   void await_velocity();
+  void await_stream();
   void execute_decision();
   FactoryStatus load_factory_parameters();
   void report_factory_parameters();
@@ -81,6 +89,7 @@ class NodeCallbacks final : public canopen::NodeApplication {
   const Parts parts_;
   canopen::StoredParameters parameters_;
   MotionTransfer motion_transfer_;
+  PolicyTransfer policy_transfer_;
   std::uint64_t now_us_ = 0;
 };
 

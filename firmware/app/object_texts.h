@@ -30,6 +30,7 @@ inline constexpr canopen::ValueName kCommandNames[] = {
     canopen::value_name(Command::kWalk, "walk"),
     canopen::value_name(Command::kCalibrate, "calibrate"),
     canopen::value_name(Command::kGetUp, "get up"),
+    canopen::value_name(Command::kStream, "stream"),
 };
 
 inline constexpr auto kStateNames = [] {
@@ -53,6 +54,7 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kHeldUpright, "upright"),
     canopen::value_name(Reason::kCaughtItself, "caught itself"),
     canopen::value_name(Reason::kOnSeat, "on seat"),
+    canopen::value_name(Reason::kPushed, "pushed"),
     canopen::value_name(Reason::kModelInvalid, "model invalid"),
     canopen::value_name(Reason::kDriveFault, "drive fault"),
     canopen::value_name(Reason::kImuSilent, "IMU silent"),
@@ -83,6 +85,39 @@ inline constexpr canopen::ValueName kFactoryStatusNames[] = {
     canopen::value_name(FactoryStatus::kDamaged, "damaged"),
     canopen::value_name(FactoryStatus::kOtherModel, "for another robot model"),
     canopen::value_name(FactoryStatus::kRefused, "refused"),
+};
+
+inline constexpr canopen::ValueName kPolicyStateNames[] = {
+    canopen::value_name(PolicyState::kOff, "off"),
+    canopen::value_name(PolicyState::kMissing, "none in storage"),
+    canopen::value_name(PolicyState::kRefused, "refused"),
+    canopen::value_name(PolicyState::kReady, "ready"),
+    canopen::value_name(PolicyState::kActive, "active"),
+    canopen::value_name(PolicyState::kStopped, "stopped"),
+};
+
+inline constexpr canopen::ValueName kPolicyCauseNames[] = {
+    canopen::value_name(policy::Cause::kNone, "none"),
+    canopen::value_name(policy::Cause::kInputOutOfRange, "input out of range"),
+    canopen::value_name(policy::Cause::kOutputOutOfRange, "output out of range"),
+};
+
+inline constexpr canopen::ValueName kPolicyStatusNames[] = {
+    canopen::value_name(policy::PolicyStatus::kOk, "valid"),
+    canopen::value_name(policy::PolicyStatus::kTruncated, "none"),
+    canopen::value_name(policy::PolicyStatus::kBadMagic, "no policy"),
+    canopen::value_name(policy::PolicyStatus::kBadVersion, "another version"),
+    canopen::value_name(policy::PolicyStatus::kBadSize, "size"),
+    canopen::value_name(policy::PolicyStatus::kBadCrc, "CRC"),
+    canopen::value_name(policy::PolicyStatus::kOtherRobot, "for another robot"),
+    canopen::value_name(policy::PolicyStatus::kBadCount, "count"),
+    canopen::value_name(policy::PolicyStatus::kBadName, "name"),
+    canopen::value_name(policy::PolicyStatus::kBadInput, "input"),
+    canopen::value_name(policy::PolicyStatus::kBadOutput, "output"),
+    canopen::value_name(policy::PolicyStatus::kBadLayer, "layer"),
+    canopen::value_name(policy::PolicyStatus::kBadBias, "bias"),
+    canopen::value_name(policy::PolicyStatus::kTooMuchWork, "too much work"),
+    canopen::value_name(policy::PolicyStatus::kMisaligned, "misaligned"),
 };
 
 inline constexpr canopen::ValueName kDriveFaultNames[] = {
@@ -126,6 +161,7 @@ inline constexpr std::string_view kAnkleComment =
     "The wrench that the ground side exerts: of a six-axis sensor in its frame, of pressure cells about the "
     "sole's origin. -32768: not measured.";
 inline constexpr std::string_view kPlane[] = {"x", "y"};
+inline constexpr std::string_view kSides[] = {"left", "right"};
 inline constexpr std::string_view kFootZmps[] = {"left x", "left y", "right x", "right y"};
 
 inline constexpr std::size_t kJoints = robot::kMaxJoints;

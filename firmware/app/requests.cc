@@ -1,7 +1,11 @@
 #include "firmware/app/requests.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
+
+#include "firmware/fixed/rounding.h"
+#include "firmware/fixed/saturating.h"
 
 namespace koboshi::app {
 
@@ -11,7 +15,8 @@ using canopen::AbortCode;
 
 namespace {
 
-constexpr std::uint8_t kCommand = 1;  // sub-index of kRequestObject
+// Angles of the stream's objects have 16 fraction bits.
+constexpr std::int32_t kStreamUnit_raw = 1 << (fixed::Angle::kFractionBits - 16);
 // By sub-index, from 1.
 constexpr std::int16_t walk::Velocity::*kVelocityParts[] = {
     &walk::Velocity::forward_mm_per_s, &walk::Velocity::left_mm_per_s, &walk::Velocity::turn_mrad_per_s};
@@ -28,6 +33,8 @@ AbortCode Requests::write(canopen::ObjectAddress address, std::uint32_t value, s
     case kVelocityLimitsObject:
       set_velocity_limit(address.subindex, static_cast<std::int16_t>(value));
       return AbortCode::kNone;
+    case kStreamObject:
+      return take_set(static_cast<std::uint8_t>(value)) ? AbortCode::kNone : AbortCode::kDeviceState;
     case kTrimObject:
     case kMountingObject:
     case kGyroBiasObject:
@@ -37,7 +44,7 @@ AbortCode Requests::write(canopen::ObjectAddress address, std::uint32_t value, s
       return known ? AbortCode::kNone : AbortCode::kInvalidValue;
     }
     case kRequestObject:
-      if (address.subindex == kCommand)
+      if (address.subindex == kCommandSubindex)
         return execute(static_cast<Command>(value), values_.request.argument, now_us);
       return AbortCode::kNone;
     default:
@@ -50,13 +57,13 @@ bool Requests::take_command(std::uint64_t now_us) {
   return execute(values_.request.command, values_.request.argument, now_us) != AbortCode::kInvalidValue;
 }
 
-bool Requests::take_velocity() { return request(values_.velocity); }
+bool Requests::take_velocity() { return request(values_.velocity) != Reason::kVelocityOutOfRange; }
 
 // The one check of a velocity, whatever service brought it. The object always shows the velocity in force.
-bool Requests::request(const walk::Velocity& velocity) {
-  const bool obeyed = behaviour_.request_velocity(velocity) == Reason::kNone;
+Reason Requests::request(const walk::Velocity& velocity) {
+  const Reason refusal = behaviour_.request_velocity(velocity);
   values_.velocity = behaviour_.velocity();
-  return obeyed;
+  return refusal;
 }
 
 AbortCode Requests::execute(Command command, std::int16_t argument, std::uint64_t now_us) {
@@ -68,14 +75,42 @@ AbortCode Requests::execute(Command command, std::int16_t argument, std::uint64_
   if (refusal == Reason::kUnknownCommand) return AbortCode::kInvalidValue;
   if (refusal != Reason::kNone) return AbortCode::kDeviceState;
   if (command == Command::kCalibrate) estimator_.begin_calibration();
+  if (command == Command::kStream) begin_stream();
   return AbortCode::kNone;
+}
+
+// The objects begin with the present targets and full torque: a program that sends some joints only leaves
+// the others where they are.
+void Requests::begin_stream() {
+  const behaviour::Decision& decision = behaviour_.decision();
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
+    const std::int64_t raw = fixed::shift_rounded(std::int64_t{decision.targets[joint].raw()}, 16);
+    values_.stream.targets[joint] = fixed::saturate<std::int16_t>(raw);
+    values_.stream.torques_percent[joint] = 0;
+  }
+  last_set_.reset();
+}
+
+bool Requests::take_set(std::uint8_t sequence) {
+  auto& stream = values_.stream;
+  std::array<fixed::Angle, robot::kMaxJoints> targets{};
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint)
+    targets[joint] = fixed::Angle::from_raw(std::int32_t{stream.targets[joint]} * kStreamUnit_raw);
+  if (!behaviour_.take_stream(targets, stream.torques_percent)) return false;
+  const auto missing = static_cast<std::uint8_t>(last_set_ ? sequence - *last_set_ - 1 : 0);
+  last_set_ = sequence;
+  stream.taken_sets = fixed::add_saturated(stream.taken_sets, std::uint16_t{1});
+  stream.missing_sets = fixed::add_saturated(stream.missing_sets, std::uint16_t{missing});
+  return true;
 }
 
 AbortCode Requests::set_velocity(std::uint8_t subindex, std::int16_t value) {
   const auto part = kVelocityParts[subindex - 1];
   walk::Velocity velocity = behaviour_.velocity();
   velocity.*part = value;
-  if (request(velocity)) return AbortCode::kNone;
+  const Reason refusal = request(velocity);
+  if (refusal == Reason::kNone) return AbortCode::kNone;
+  if (refusal != Reason::kVelocityOutOfRange) return AbortCode::kDeviceState;
   return value > behaviour_.velocity().*part ? AbortCode::kValueTooHigh : AbortCode::kValueTooLow;
 }
 
@@ -121,6 +156,7 @@ void Requests::reset_parameters() {
   values_.calibration = {};
   values_.walk = {};
   values_.recovery = {};
+  values_.policy.enabled = 0;
 }
 
 void Requests::apply_parameters() {

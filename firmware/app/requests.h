@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "firmware/app/dictionary.h"
 #include "firmware/behaviour/behaviour.h"
@@ -37,6 +38,9 @@ class Requests {
   // false if an SDO client would be told that the values are invalid: they have no effect.
   [[nodiscard]] bool take_command(std::uint64_t now_us);
   [[nodiscard]] bool take_velocity();
+  // Takes the set of joint targets in the dictionary, with its number in the sequence. Returns whether the
+  // robot follows it.
+  bool take_set(std::uint8_t sequence);
 
   // Makes every parameter neutral, which has no effect before `apply_parameters`.
   void reset_parameters();
@@ -48,10 +52,11 @@ class Requests {
 
  private:
   canopen::AbortCode execute(behaviour::Command command, std::int16_t argument, std::uint64_t now_us);
-  bool request(const walk::Velocity& velocity);
+  behaviour::Reason request(const walk::Velocity& velocity);
   canopen::AbortCode set_velocity(std::uint8_t subindex, std::int16_t value);
   void set_velocity_limit(std::uint8_t subindex, std::int16_t value);
   canopen::AbortCode set_calibration(canopen::ObjectAddress address, std::int32_t value);
+  void begin_stream();
   void set_trim(std::size_t joint, std::int16_t trim);
   void apply(const Calibration& calibration);
 
@@ -62,6 +67,7 @@ class Requests {
   estimation::Estimator& estimator_;
   const drive::DriveGroup& drives_;
   std::int16_t applied_trims_[robot::kMaxJoints] = {};
+  std::optional<std::uint8_t> last_set_;  // of the stream, in its sequence
 };
 
 }  // namespace koboshi::app

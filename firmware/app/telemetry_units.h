@@ -18,6 +18,12 @@ constexpr std::int16_t narrow(fixed::Angle angle) { return narrow_raw(angle.raw(
 constexpr std::int16_t narrow(fixed::AngularRate rate) { return narrow_raw(rate.raw(), 12); }  // 2^-12 turn/s
 constexpr std::int16_t narrow(fixed::Acceleration a) { return narrow_raw(a.raw(), 12); }       // 2^-8 m/s^2
 constexpr std::int16_t narrow(fixed::Length length) { return narrow_raw(length.raw(), 9); }    // 2^-15 m
+// Converts to thousandths of the quantity's unit: mm, mm/s.
+template <fixed::AnyQuantity Q>
+constexpr std::int16_t thousandths(Q quantity) {
+  return fixed::saturate<std::int16_t>(
+      fixed::shift_rounded(std::int64_t{quantity.raw()} * 1'000, Q::kFractionBits));
+}
 
 // Converts the three components of a vector.
 template <typename Q>

@@ -63,7 +63,7 @@ void Feedback::set_hip(const robot::RobotModel& model, hal::Side side, Leg& leg)
 }
 
 void Feedback::correct(const FeedbackGains& gains, const estimation::TrunkMotion& trunk,
-                       std::span<fixed::Angle> targets) const {
+                       std::span<fixed::Angle> targets, std::optional<hal::Side> support) const {
   KOBOSHI_ASSERT(targets.size() >= joints_);
   const auto& [rate, lean] = gains;
   const auto in_roll = [&](std::int16_t JointGains::*joint) {
@@ -82,7 +82,9 @@ void Feedback::correct(const FeedbackGains& gains, const estimation::TrunkMotion
     fixed::Angle& target = targets[joint.index];
     target = fixed::Angle::from_raw(fixed::add_saturated(target.raw(), joint.sign * angle.raw()));
   };
-  for (const Leg& leg : legs_) {
+  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
+    if (support && side != *support) continue;
+    const Leg& leg = legs_[side];
     if (leg.has_oblique_hip) {
       for (std::size_t i = 0; i < leg.hips.size(); ++i)
         turn({leg.hips[i], 1}, fixed::product<fixed::Angle>(leg.for_roll[i], hip_roll) +
@@ -98,14 +100,15 @@ void Feedback::correct(const FeedbackGains& gains, const estimation::TrunkMotion
 }
 
 void Feedback::correct(FeedbackMode mode, const FeedbackParameters& parameters,
-                       const estimation::TrunkMotion& trunk, std::span<fixed::Angle> targets) const {
+                       const estimation::TrunkMotion& trunk, std::optional<hal::Side> support,
+                       std::span<fixed::Angle> targets) const {
   switch (mode) {
     case FeedbackMode::kNone:
       return;
     case FeedbackMode::kMotion:
       return correct({.rate = parameters.motion, .lean = {}}, trunk, targets);
     case FeedbackMode::kWalking:
-      return correct(parameters.walking, trunk, targets);
+      return correct(parameters.walking, trunk, targets, support);
     case FeedbackMode::kStanding: {
       const auto half_width = fixed::AngularRate::from_raw(parameters.standing_dead_band << 12);
       estimation::TrunkMotion beyond_it = trunk;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "firmware/estimation/trunk_motion.h"
@@ -64,10 +65,11 @@ class Feedback {
   // Adds the corrections to `targets`, one for each joint; the caller clamps them to the joints' limits. The
   // sums saturate at half a turn.
   void correct(const FeedbackGains& gains, const estimation::TrunkMotion& trunk,
-               std::span<fixed::Angle> targets) const;
+               std::span<fixed::Angle> targets, std::optional<hal::Side> support = std::nullopt) const;
   // Likewise with the gains of a mode; none in kNone. In kStanding the rates pass a dead band first.
+  // `support`: in kWalking, the only leg that is corrected; none: both are.
   void correct(FeedbackMode mode, const FeedbackParameters& parameters, const estimation::TrunkMotion& trunk,
-               std::span<fixed::Angle> targets) const;
+               std::optional<hal::Side> support, std::span<fixed::Angle> targets) const;
 
  private:
   struct Joint {

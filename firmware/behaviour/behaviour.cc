@@ -6,11 +6,18 @@
 #include "hal/port/period.h"
 
 namespace koboshi::behaviour {
+
+using namespace fixed::literals;
+
 namespace {
 
 // Time for the drives' quick stop before the drive-enable line goes low: twice what they take, 50 ms of ramp
 // and 100 ms of holding (docs/design/timing.md).
 constexpr std::uint64_t kQuickStop_us = 300'000;
+
+// How far the targets of the legs may be off the standing pose of a robot that steps when it is pushed. By
+// hand, 2026-11-28: the walk itself bends the knees by more.
+constexpr fixed::Angle kStandingPose = 5.0_deg;
 
 // Returns which sensor's samples are too old, kNone if none are.
 Reason silent_sensor(const estimation::RobotState& robot) {
@@ -29,15 +36,18 @@ Behaviour::Behaviour(const robot::RobotModel& model, bool model_valid, motion::M
       parameters_(parameters),
       player_(model, motions, parameters.recovery),
       walk_(model),
-      sources_{nullptr, &soft_start_, &player_, &walk_},
+      sitting_down_(player_),
+      stream_(model),
+      sources_{nullptr, &soft_start_, &player_, &walk_, &sitting_down_, &stream_},
       overlay_(model),
       recovery_(model, motions, player_, parameters.recovery) {}
 
 const Decision& Behaviour::step(const Cycle& cycle) {
+  watch_supply(cycle);
   measured_ = cycle.drives.angles;
   lowest_supply_mV_ = cycle.drives.lowest_supply_mV;
   watch_for_faults(cycle);
-  watch_battery(cycle.drives);
+  if (supply_guard_.low()) sit_down(cycle);
   watch_for_falls(cycle);
   overlay_.uncover(targets());
   run_state(cycle);
@@ -56,7 +66,7 @@ void Behaviour::restart(bool forget, std::uint64_t now_us) {
     walk_.set_velocity({});
     player_.forget_number();
     recovery_.forget_attempts();
-    low_supply_.reset();
+    supply_guard_.reset();
   }
   enter(State::kBoot, Reason::kNone, now_us);
 }
@@ -74,18 +84,37 @@ void Behaviour::watch_for_faults(const Cycle& cycle) {
   if (silent != Reason::kNone) report(silent);
 }
 
-// The supply counts as low after two seconds of low readings: a single step under load draws any battery
-// down.
-void Behaviour::watch_battery(const drive::DriveStatus& drives) {
-  if (!drives.new_supply_mV) return;
-  low_supply_.count(*drives.new_supply_mV < parameters_.power.supply_low_mV);
+// To be called before the measured angles of the last cycle are replaced. A drive that browns out reports it
+// by itself, and is a fault.
+void Behaviour::watch_supply(const Cycle& cycle) {
+  if (!cycle.drives.new_supply_mV) return;
+  const std::size_t joints = model_.joint_count;
+  const auto torques = cycle.values.torques_permille;
+  supply_guard_.update(parameters_.power, *cycle.drives.new_supply_mV,
+                       {.joints = {model_.joints.data(), joints},
+                        .torques_permille = torques.first(std::min(joints, torques.size())),
+                        .angles = {cycle.drives.angles.data(), joints},
+                        .last_angles = {measured_.data(), joints}});
+  if (!supply_guard_.low() && kResting.contains(status_.state)) decision_.low_battery = false;
+}
+
+// Nobody drives a robot that sits down: it forgets the commanded velocity.
+void Behaviour::sit_down(const Cycle& cycle) {
+  const auto next = next_state(status_.state, Event::kSitDown);
+  if (!next || !motions_.number_of(motion::Role::kSit)) return;
+  overlay_.stop();
+  sitting_down_.begin(source());
+  walk_.set_velocity({});
+  enter(*next, Reason::kSupplyLow, cycle.now_us);
 }
 
 // Without a known gyro bias there is no fall detection: 20 deg/s of bias over the filter's time constant of 2
 // s tilt the estimated attitude by 40 degrees.
 void Behaviour::watch_for_falls(const Cycle& cycle) {
   if (!cycle.robot.gyro_known || !kMayFall.contains(status_.state)) return;
-  const FallDirection direction = fall_detector_.update(parameters_.recovery.fall, deviation(cycle.robot));
+  const Plan plan = this->plan();
+  const FallDirection direction =
+      fall_detector_.update(parameters_.recovery.fall, deviation(cycle.robot, plan.lean), plan.error_percent);
   if (direction != FallDirection::kNone) begin_falling(direction, cycle);
 }
 
@@ -102,8 +131,7 @@ Plan Behaviour::plan() const {
 }
 
 // Returns the deviation from the lean that the source plans. The rates are never planned.
-estimation::TrunkMotion Behaviour::deviation(const estimation::RobotState& robot) const {
-  const motion::Lean lean = plan().lean;
+estimation::TrunkMotion Behaviour::deviation(const estimation::RobotState& robot, const motion::Lean& lean) {
   estimation::TrunkMotion trunk = estimation::trunk_motion(robot, lean.pitch);
   trunk.roll -= lean.roll;
   return trunk;
@@ -136,13 +164,13 @@ void Behaviour::enter(State state, Reason reason, std::uint64_t now_us) {
     case State::kBoot:
       status_.drive_fault.kind = drive::DriveFault::kNone;
       decision_.fault.reset();
-      disarm();
+      disarm(false);
       ++decision_.boots;
       break;
     case State::kLimp:
     case State::kEmergencyStop:
     case State::kFallen:
-      disarm();
+      disarm(reason != Reason::kCommand && supply_guard_.low());
       set_goal(drive::Goal::kTorqueOff);
       break;
     case State::kEnabling:
@@ -154,6 +182,7 @@ void Behaviour::enter(State state, Reason reason, std::uint64_t now_us) {
       begin_soft_start();
       break;
     case State::kLowBattery:
+    case State::kSittingDown:
       decision_.low_battery = true;
       break;
     case State::kFault:
@@ -176,13 +205,18 @@ void Behaviour::abort_sources() {
 }
 
 // The robot is limp, or about to boot.
-void Behaviour::disarm() {
-  decision_.low_battery = false;
+void Behaviour::disarm(bool supply_stays_reported) {
+  decision_.low_battery = supply_stays_reported;
   fall_detector_.disarm();
 }
 
-// Starts the ramp to the first pose of motion 0. Joints that the pose leaves out stay.
 void Behaviour::begin_soft_start() {
+  const auto to = standing_pose();
+  soft_start_.begin(targets(), {to.data(), model_.joint_count}, parameters_.power.ramp_rate);
+}
+
+// Returns the first pose of motion 0. Joints that it leaves out stay at their targets.
+std::array<fixed::Angle, robot::kMaxJoints> Behaviour::standing_pose() {
   auto to = decision_.targets;
   motion::Motion standing;
   const bool known = motions_.open(0, standing) && standing.pose_count() > 0;
@@ -192,32 +226,49 @@ void Behaviour::begin_soft_start() {
     const fixed::Angle angle = pose.read(joint);
     to[joint] = robot::clamp_to_limits(model_.joints[joint], angle);
   }
-  soft_start_.begin(targets(), {to.data(), model_.joint_count}, parameters_.power.ramp_rate);
+  return to;
+}
+
+// A motion may have ended on the seat or in a squat, from which no walk begins.
+bool Behaviour::is_in_standing_pose() {
+  const auto pose = standing_pose();
+  const std::uint32_t legs = model_.leg_joints();
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
+    const fixed::Angle off = decision_.targets[joint] - pose[joint];
+    if ((legs >> joint & 1u) != 0 && fixed::abs(off) > kStandingPose) return false;
+  }
+  return true;
 }
 
 void Behaviour::choose_feedback() {
   decision_.planned_pitch = {};
   decision_.planned_zmp.reset();
   decision_.swing.reset();
+  decision_.support.reset();
+  decision_.reference.reset();
+  decision_.dcm_error.reset();
   decision_.feedback = balance::FeedbackMode::kNone;
   if (!kBalancing.contains(status_.state)) return;
   const Plan plan = this->plan();
   decision_.planned_pitch = plan.pitch;
   decision_.planned_zmp = plan.zmp;
   decision_.swing = plan.swing;
+  decision_.support = plan.support;
+  decision_.reference = plan.reference;
+  decision_.dcm_error = plan.dcm_error;
   decision_.feedback = plan.feedback;
 }
 
-// The joints of two motions are different ones.
+// The joints of two motions are different ones. A motion that fades may soften joints of a stream.
 void Behaviour::choose_stiffness() {
   const motion::Interpreter& motion = player_.interpreter();
   const motion::Interpreter& overlay = overlay_.interpreter();
-  const std::uint32_t softened = motion.softened() | overlay.softened();
+  const std::uint32_t softened = motion.softened() | overlay.softened() | stream_.softened();
   decision_.softened = softened;
   if (softened == 0) return;
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint)
-    decision_.stiffness_percent[joint] =
-        std::min(motion.stiffness_percent(joint), overlay.stiffness_percent(joint));
+    decision_.stiffness_percent[joint] = std::min(
+        {motion.stiffness_percent(joint), overlay.stiffness_percent(joint), stream_.torque_percent(joint)});
 }
 
 // --- One cycle of each state
@@ -227,6 +278,7 @@ void Behaviour::run_state(const Cycle& cycle) {
   if (player_.interpreter().fading())
     player_.advance(hal::kControlPeriod_us, inputs(cycle.robot, cycle.values), targets());
   if (kRecovering.contains(status_.state)) return run_recovery(cycle);
+  if (status_.state == State::kSittingDown) return run_sitting_down(cycle);
   if (MotionSource* const source = this->source()) return run_source(*source, cycle);
   switch (status_.state) {
     case State::kBoot:
@@ -257,13 +309,23 @@ void Behaviour::run_enabling(const Cycle& cycle) {
   if (cycle.drives.enabled) handle(Event::kEnabled, Reason::kProgress, cycle);
 }
 
+// A robot that is pushed beyond what its soles hold walks until it stands again. One without a motion to sit
+// down stands on a low supply.
 void Behaviour::run_standing(const Cycle& cycle) {
-  if (battery_low()) overlay_.stop();
-  if (battery_low()) handle(Event::kLowBattery, Reason::kSupplyLow, cycle);
+  const auto support = CommandedWalk::needed(parameters_.walk, cycle.robot);
+  if (support && is_in_standing_pose() && refusal_to_walk(cycle.robot) == Reason::kNone) {
+    begin_walk(*support);
+    walk_.stop();
+    handle(Event::kPushed, Reason::kPushed, cycle);
+    return run_source(walk_, cycle);
+  }
+  if (!supply_guard_.low()) return;
+  overlay_.stop();
+  handle(Event::kLowBattery, Reason::kSupplyLow, cycle);
 }
 
 void Behaviour::run_source(MotionSource& source, const Cycle& cycle) {
-  if (battery_low() && kOnItsFeet.contains(status_.state)) {
+  if (supply_guard_.low() && kOnItsFeet.contains(status_.state)) {
     source.stop();
     overlay_.stop();
   }
@@ -271,10 +333,22 @@ void Behaviour::run_source(MotionSource& source, const Cycle& cycle) {
   if (!source.running()) handle(Event::kEnded, Reason::kProgress, cycle);
 }
 
+// A robot that does not sit as its motion expects keeps its torque: limp it would fall.
+void Behaviour::run_sitting_down(const Cycle& cycle) {
+  sitting_down_.advance(hal::kControlPeriod_us, inputs(cycle.robot, cycle.values), targets());
+  if (sitting_down_.running()) return;
+  handle(sitting_down_.done() ? Event::kEnded : Event::kLowBattery, Reason::kSupplyLow, cycle);
+}
+
+// A robot that fell with a low supply stays down: it would stand up only to sit down again.
 void Behaviour::run_recovery(const Cycle& cycle) {
   const auto outcome = recovery_.run(status_.state, cycle.now_us - entered_us_, cycle,
                                      inputs(cycle.robot, cycle.values), targets());
   if (!outcome) return;
+  if (status_.state == State::kFallen && supply_guard_.low()) {
+    recovery_.forget_attempts();
+    return handle(Event::kLowBattery, Reason::kSupplyLow, cycle);
+  }
   if (outcome->event == Event::kFailure) return fail(outcome->reason, cycle.drives.fault, cycle.now_us);
   // A robot on its feet that leans falls.
   if (outcome->event == Event::kUpright) fall_detector_.arm();
@@ -288,7 +362,7 @@ motion::Inputs Behaviour::inputs(const estimation::RobotState& robot, const BusV
           .torques_permille = values.torques_permille,
           .supply_mV = lowest_supply_mV_,
           .values = values.inputs,
-          .walking = status_.state == State::kWalking};
+          .walking = walk_.running()};
 }
 
 // Puts the second motion's targets in place of those of the first layer.

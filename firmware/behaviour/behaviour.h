@@ -10,14 +10,16 @@
 #include "firmware/behaviour/commanded_walk.h"
 #include "firmware/behaviour/cycle.h"
 #include "firmware/behaviour/fall_detector.h"
+#include "firmware/behaviour/joint_stream.h"
 #include "firmware/behaviour/motion_player.h"
 #include "firmware/behaviour/motion_source.h"
 #include "firmware/behaviour/overlay.h"
 #include "firmware/behaviour/parameters.h"
 #include "firmware/behaviour/recovery.h"
+#include "firmware/behaviour/sitting_down.h"
 #include "firmware/behaviour/soft_start.h"
 #include "firmware/behaviour/state.h"
-#include "firmware/fixed/debounce.h"
+#include "firmware/behaviour/supply_guard.h"
 #include "firmware/motion/motion_library.h"
 
 namespace koboshi::behaviour {
@@ -54,13 +56,20 @@ struct Decision {
   balance::FeedbackMode feedback = balance::FeedbackMode::kNone;
   fixed::Angle planned_pitch;                   // of the trunk, forward positive
   std::optional<walk::PlannedZmp> planned_zmp;  // of a walk, for the end of the cycle
-  std::optional<hal::Side> swing;               // the foot in the air, of a walk by its plan
+  // Set by the plan of a walk: the foot in the air, the foot that bears the robot, and the foot relative to
+  // which the motion of the centre of mass is measured.
+  std::optional<hal::Side> swing;
+  std::optional<hal::Side> support;
+  std::optional<hal::Side> reference;
+  std::optional<walk::Point> dcm_error;  // of a walk that compares the DCM with its plan
   drive::Goal goal = drive::Goal::kTorqueOff;
   std::uint16_t goals = 0;           // number of goals set so far: setting the same goal again counts
   bool drive_enable = false;         // level of the drive-enable line
   std::uint16_t boots = 0;           // number of boots of drives and sensors ordered so far
   std::optional<FaultReport> fault;  // reported on the bus (EMCY) until the next boot
-  bool low_battery = false;          // reported likewise, until the robot is limp
+  // Reported likewise while the robot acts on a low supply: until it is commanded limp or, when it has sat
+  // down or fallen, until the supply has recovered.
+  bool low_battery = false;
 };
 
 // The second stage of a control cycle: the state machine of the robot. Inputs are those of a Cycle and the
@@ -68,8 +77,6 @@ struct Decision {
 class Behaviour {  // Large: one short function per state and per command
  public:
   static constexpr std::uint32_t kSensorTimeout_us = 50'000;
-  // Consecutive readings of the supply below its limit: two seconds.
-  static constexpr std::uint16_t kLowReadings = 2'000'000 / drive::DriveGroup::kSupplyPeriod_us;
 
   // `model_valid`: whether the storage holds a model. Without one the robot boots into a fault. The
   // references must outlive the behaviour.
@@ -94,6 +101,12 @@ class Behaviour {  // Large: one short function per state and per command
   // Ends a walk as kStop does. Returns whether the robot walked and was not to stop yet. Nothing happens in
   // other states.
   bool stop_walk();
+  // Takes a set of the joint target stream, as JointStream::take. Returns whether the robot follows it.
+  bool take_stream(std::span<const fixed::Angle> targets, std::span<const std::uint8_t> torques_percent) {
+    return status_.state == State::kStreaming && stream_.take(targets, torques_percent);
+  }
+  // Ends the joint target stream as kStop does. Returns whether the robot followed it.
+  bool stop_stream();
   // Records a refusal that was found only after the command had been obeyed.
   void refuse(Reason reason) { status_.refusal = reason; }
   // A fault that the controller has found between two cycles; `drive_fault`: the drives' first, if any.
@@ -104,7 +117,10 @@ class Behaviour {  // Large: one short function per state and per command
   const Status& status() const { return status_; }
   State state() const { return status_.state; }
   const walk::Velocity& velocity() const { return walk_.velocity(); }
+  // The phase of the walk, one turn for two steps; none while it does not step.
+  std::optional<fixed::Angle> walk_phase() const { return walk_.phase(); }
   const Decision& decision() const { return decision_; }
+  const SupplyGuard& supply() const { return supply_guard_; }
 
  private:
   // Commands (commands.cc).
@@ -115,13 +131,17 @@ class Behaviour {  // Large: one short function per state and per command
   Reason play(std::int16_t number, const Circumstances& circumstances);
   Reason play_overlay(const motion::Motion& motion, std::uint8_t number, const Circumstances& circumstances);
   Reason walk(const Circumstances& circumstances);
+  Reason refusal_to_walk(const estimation::RobotState& robot) const;
+  void begin_walk(hal::Side support);
+  bool acts_on_low_supply() const;
+  Reason stream(const Circumstances& circumstances);
   Reason get_up(const Circumstances& circumstances);
   Reason stop();
 
   // Transitions that any state may make (behaviour.cc).
   void watch_for_faults(const Cycle& cycle);
-  void watch_battery(const drive::DriveStatus& drives);
-  bool battery_low() const { return low_supply_.reached(kLowReadings); }
+  void watch_supply(const Cycle& cycle);
+  void sit_down(const Cycle& cycle);
   void watch_for_falls(const Cycle& cycle);
   void begin_falling(FallDirection direction, const Cycle& cycle);
 
@@ -130,8 +150,10 @@ class Behaviour {  // Large: one short function per state and per command
   void enter(State state, Reason reason, std::uint64_t now_us);
   void set_goal(drive::Goal goal);
   void abort_sources();
-  void disarm();
+  void disarm(bool supply_stays_reported);
   void begin_soft_start();
+  std::array<fixed::Angle, robot::kMaxJoints> standing_pose();
+  bool is_in_standing_pose();
   void choose_feedback();
   void choose_stiffness();
 
@@ -142,6 +164,7 @@ class Behaviour {  // Large: one short function per state and per command
   void run_standing(const Cycle& cycle);
   void run_fault(const Cycle& cycle);
   void run_source(MotionSource& source, const Cycle& cycle);
+  void run_sitting_down(const Cycle& cycle);
   void run_recovery(const Cycle& cycle);
   void cover_targets(const Cycle& cycle);
   void abort_overlay();
@@ -152,7 +175,7 @@ class Behaviour {  // Large: one short function per state and per command
     return sources_[static_cast<std::size_t>(kSourceOf[static_cast<std::size_t>(status_.state)])];
   }
   Plan plan() const;
-  estimation::TrunkMotion deviation(const estimation::RobotState& robot) const;
+  static estimation::TrunkMotion deviation(const estimation::RobotState& robot, const motion::Lean& lean);
   motion::Inputs inputs(const estimation::RobotState& robot, const BusValues& values) const;
   std::span<const fixed::Angle> targets() const { return {decision_.targets.data(), model_.joint_count}; }
   std::span<fixed::Angle> targets() { return {decision_.targets.data(), model_.joint_count}; }
@@ -163,13 +186,15 @@ class Behaviour {  // Large: one short function per state and per command
   const Parameters parameters_;
   Status status_;
   Decision decision_;
-  std::uint64_t entered_us_ = 0;                            // when the present state began
-  fixed::Debounce low_supply_;                              // by the drives' readings
+  std::uint64_t entered_us_ = 0;  // when the present state began
+  SupplyGuard supply_guard_;
   std::array<fixed::Angle, robot::kMaxJoints> measured_{};  // joint angles of the last cycle
   std::uint32_t lowest_supply_mV_ = 0;                      // in the last cycle
   SoftStart soft_start_;
   MotionPlayer player_;
   CommandedWalk walk_;
+  SittingDown sitting_down_;
+  JointStream stream_;
   const std::array<MotionSource*, kSources> sources_;  // by Source
   Overlay overlay_;
   FallDetector fall_detector_;

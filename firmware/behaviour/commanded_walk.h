@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "firmware/behaviour/motion_source.h"
@@ -17,13 +18,20 @@ class CommandedWalk final : public MotionSource {
 
   // Returns whether the robot has legs that walk.
   [[nodiscard]] bool is_possible() const { return walker_.is_possible(); }
+  // Returns the foot that bears the first of the steps which a robot that stands needs to keep its balance;
+  // none while its soles are enough.
+  [[nodiscard]] static std::optional<hal::Side> needed(const walk::WalkParameters& parameters,
+                                                       const estimation::RobotState& robot);
   // As Walker::start.
-  void start(const walk::WalkParameters& parameters, std::span<const fixed::Angle> targets) {
-    walker_.start(parameters, targets);
+  void start(const walk::WalkParameters& parameters, std::span<const fixed::Angle> targets,
+             hal::Side support) {
+    walker_.start(parameters, targets, support);
   }
   // Takes a stop back, as Walker::resume.
   void resume() { walker_.resume(); }
   [[nodiscard]] bool stopping() const { return walker_.stopping(); }
+  // As Walker::phase.
+  [[nodiscard]] std::optional<fixed::Angle> phase() const { return walker_.phase(); }
 
   // Within the limits of the parameters: the caller has checked it. It takes effect in the next cycle, and is
   // kept from one walk to the next.
@@ -43,6 +51,10 @@ class CommandedWalk final : public MotionSource {
             .pitch = walker_.pitch(),
             .zmp = walker_.planned_zmp(),
             .swing = walker_.swing_foot(),
+            .support = walker_.support(),
+            .reference = walker_.reference(),
+            .dcm_error = walker_.dcm_error(),
+            .error_percent = walker_.error_percent(),
             .feedback = balance::FeedbackMode::kWalking};
   }
 

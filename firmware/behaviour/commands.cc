@@ -3,6 +3,7 @@
 #include "firmware/behaviour/behaviour.h"
 #include "firmware/fixed/literals.h"
 #include "firmware/fixed/trigonometry.h"
+#include "firmware/robot/leg.h"
 
 namespace koboshi::behaviour {
 
@@ -15,11 +16,6 @@ namespace {
 constexpr fixed::Acceleration kMinAcceleration = 4.9_m_per_s2;
 constexpr fixed::Acceleration kMaxAcceleration = 14.7_m_per_s2;
 
-// Without them the feet cannot turn, and a velocity that turns is out of range.
-bool has_hip_yaws(const robot::RobotModel& model) {
-  return model.find(robot::JointRole::kLeftHipYaw) && model.find(robot::JointRole::kRightHipYaw);
-}
-
 }  // namespace
 
 Reason Behaviour::request(Command command, std::int16_t argument, const Circumstances& circumstances) {
@@ -27,11 +23,19 @@ Reason Behaviour::request(Command command, std::int16_t argument, const Circumst
   return status_.refusal;
 }
 
+// Whether the robot does nothing but end what it does, sit down and wait, because its supply is or was low.
+bool Behaviour::acts_on_low_supply() const {
+  const State state = status_.state;
+  return state == State::kLowBattery || state == State::kSittingDown ||
+         (kOnItsFeet.contains(state) && supply_guard_.low());
+}
+
 // A velocity that is obeyed clears only the refusal of an earlier velocity: velocities come often, and would
 // hide the refusal of a command.
 Reason Behaviour::request_velocity(const walk::Velocity& velocity) {
+  if (acts_on_low_supply()) return status_.refusal = Reason::kSupplyLow;
   const bool obeyed = clamped(velocity, parameters_.velocity_limits) == velocity &&
-                      (velocity.turn_mrad_per_s == 0 || has_hip_yaws(model_));
+                      (velocity.turn_mrad_per_s == 0 || robot::can_turn(model_));
   if (obeyed) walk_.set_velocity(velocity);
   if (!obeyed) status_.refusal = Reason::kVelocityOutOfRange;
   if (obeyed && status_.refusal == Reason::kVelocityOutOfRange) status_.refusal = Reason::kNone;
@@ -61,6 +65,8 @@ Reason Behaviour::judge(Command command, std::int16_t argument, const Circumstan
       return kResting.contains(status_.state) ? Reason::kNone : Reason::kNotInThisState;
     case Command::kGetUp:
       return get_up(circumstances);
+    case Command::kStream:
+      return stream(circumstances);
   }
   return Reason::kUnknownCommand;
 }
@@ -89,12 +95,14 @@ Reason Behaviour::refusal_to_enable(const Circumstances& circumstances) const {
   }
   const auto& a = circumstances.robot.accelerations_B;
   const fixed::Acceleration magnitude = fixed::hypotenuse(a.x, a.y, a.z);
+  if (supply_guard_.low()) return Reason::kSupplyLow;
   const bool plausible = magnitude > kMinAcceleration && magnitude < kMaxAcceleration;
   return plausible ? Reason::kNone : Reason::kImuImplausible;
 }
 
 // In standing it starts the first layer, in a motion or a walk the overlay.
 Reason Behaviour::play(std::int16_t number, const Circumstances& circumstances) {
+  if (acts_on_low_supply()) return Reason::kSupplyLow;
   const bool overlays = status_.state == State::kMotion || status_.state == State::kWalking;
   if (status_.state != State::kStanding && !overlays) return Reason::kNotInThisState;
   motion::Motion motion;
@@ -125,19 +133,53 @@ Reason Behaviour::play_overlay(const motion::Motion& motion, std::uint8_t number
 // While the robot walks, the command only cancels a stop. Without a known gyro bias, the estimated attitude
 // drifts: the walk would balance on a wrong attitude, and nothing would detect the fall (watch_for_falls).
 Reason Behaviour::walk(const Circumstances& circumstances) {
+  if (acts_on_low_supply()) return Reason::kSupplyLow;
   if (status_.state == State::kWalking) {
     walk_.resume();
     return Reason::kNone;
   }
   if (status_.state != State::kStanding) return Reason::kNotInThisState;
+  const Reason refusal = refusal_to_walk(circumstances.robot);
+  if (refusal != Reason::kNone) return refusal;
+  begin_walk(hal::Side::kLeft);
+  return obey_event(Event::kWalk, circumstances.now_us);
+}
+
+Reason Behaviour::refusal_to_walk(const estimation::RobotState& robot) const {
   if (!walk_.is_possible()) return Reason::kNoLegs;
   if (!walk::is_gait(parameters_.walk)) return Reason::kNoGait;
-  if (!circumstances.robot.gyro_known) return Reason::kGyroBiasUnknown;
-  if ((overlay_.joints() & walk_.joints()) != 0) return Reason::kJointsInUse;
+  if (!robot.gyro_known) return Reason::kGyroBiasUnknown;
+  return (overlay_.joints() & walk_.joints()) != 0 ? Reason::kJointsInUse : Reason::kNone;
+}
+
+void Behaviour::begin_walk(hal::Side support) {
   overlay_.uncover(targets());
   player_.abort();
-  walk_.start(parameters_.walk, targets());
-  return obey_event(Event::kWalk, circumstances.now_us);
+  walk_.start(parameters_.walk, targets(), support);
+}
+
+// While the robot streams, the command only cancels a stop. Without a known gyro bias nothing would detect
+// the fall (watch_for_falls).
+Reason Behaviour::stream(const Circumstances& circumstances) {
+  if (acts_on_low_supply()) return Reason::kSupplyLow;
+  if (status_.state == State::kStreaming) {
+    stream_.resume();
+    return Reason::kNone;
+  }
+  if (status_.state != State::kStanding) return Reason::kNotInThisState;
+  if (!circumstances.robot.gyro_known) return Reason::kGyroBiasUnknown;
+  if (overlay_.joints() != 0) return Reason::kJointsInUse;
+  player_.abort();
+  const auto standing = standing_pose();
+  stream_.start(targets(), {standing.data(), model_.joint_count}, parameters_.power.ramp_rate);
+  return obey_event(Event::kStream, circumstances.now_us);
+}
+
+bool Behaviour::stop_stream() {
+  if (status_.state != State::kStreaming) return false;
+  const bool followed = stream_.following();
+  stream_.stop();
+  return followed;
 }
 
 Reason Behaviour::get_up(const Circumstances& circumstances) {
@@ -164,6 +206,9 @@ Reason Behaviour::stop() {
       return Reason::kNone;
     case State::kWalking:
       stop_walk();
+      return Reason::kNone;
+    case State::kStreaming:
+      stop_stream();
       return Reason::kNone;
     case State::kStanding:
       if (!overlay_.playing()) return Reason::kNotInThisState;

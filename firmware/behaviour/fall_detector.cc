@@ -9,6 +9,7 @@ namespace koboshi::behaviour {
 
 namespace {
 
+constexpr std::int32_t kFull_percent = 100;
 constexpr int kAngleShift = 16;  // from an Angle to units of the limits
 
 constexpr std::int32_t short_angle(fixed::Angle angle) { return angle.raw() >> kAngleShift; }
@@ -26,17 +27,22 @@ constexpr bool is_within(std::int32_t value, std::int16_t limit) { return value 
 
 }  // namespace
 
-FallDirection FallDetector::update(const FallLimits& limits, const estimation::TrunkMotion& trunk) {
+FallDirection FallDetector::update(const FallLimits& limits, const estimation::TrunkMotion& trunk,
+                                   std::optional<std::uint16_t> error_percent) {
   const bool leans = !is_within(short_angle(trunk.pitch), limits.min_lean) ||
                      !is_within(short_angle(trunk.roll), limits.min_lean);
   if (!leans) armed_ = true;
   const std::int32_t forward = predicted(trunk.pitch, trunk.pitch_rate, limits.lead_ms);
   const std::int32_t right = predicted(trunk.roll, trunk.roll_rate, limits.lead_ms);
-  const std::int16_t length = forward < 0 ? limits.back : limits.front;
+  const bool steps = error_percent.has_value() && limits.uncatchable_percent > 0;
+  const std::int32_t percent = steps ? limits.walking_percent : kFull_percent;
+  const std::int32_t length = (forward < 0 ? limits.back : limits.front) * percent / kFull_percent;
+  const std::int32_t side = limits.side * percent / kFull_percent;
   // The ellipse without its divisions: times (length * side)^2.
-  const std::int64_t sagittal = square(forward) * square(limits.side);
+  const std::int64_t sagittal = square(forward) * square(side);
   const std::int64_t lateral = square(right) * square(length);
-  const bool beyond = sagittal + lateral > square(length) * square(limits.side);
+  const bool beyond = sagittal + lateral > square(length) * square(side) ||
+                      (steps && *error_percent > limits.uncatchable_percent);
   const auto cycles = static_cast<std::uint16_t>(std::max<std::int16_t>(limits.cycles, 1));
   if (!beyond_.update(armed_ && leans && beyond && limits.are_set(), cycles)) return FallDirection::kNone;
   disarm();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "firmware/estimation/trunk_motion.h"
 #include "firmware/fixed/debounce.h"
@@ -16,6 +17,10 @@ struct FallLimits {
   std::int16_t lead_ms = 0;   // how far ahead a lean is predicted: the pendulum's time constant
   std::int16_t min_lean = 0;  // of the present lean; below it, no rate counts as a fall
   std::int16_t cycles = 1;    // of 10 ms, in a row
+  // While a walk measures its DCM error: the share of the angles above that counts, and the error that no
+  // step catches. 0: the lean alone decides, as while the robot stands.
+  std::int16_t walking_percent = 100;
+  std::int16_t uncatchable_percent = 0;
 
   [[nodiscard]] bool are_set() const { return front > 0 && back > 0 && side > 0 && min_lean > 0; }
 };
@@ -30,11 +35,17 @@ enum class FallDirection : std::uint8_t { kNone, kFront, kBack, kLeft, kRight };
 // step toward humanoid push recovery", Humanoids 2006) in angles, with lead = 1 / omega. The robot falls when
 // the predicted lean leaves the ellipse (forward / front or back)^2 + (lateral / side)^2 = 1 for `cycles`
 // cycles in a row while the present lean is at least `min_lean`.
+//
+// A robot that walks may lean further, because a step catches it. There the limits are `walking_percent` of
+// these, and a DCM error beyond `uncatchable_percent` of what the next steps reach is a fall as well, at the
+// same least lean (walk::Walker::error_percent).
 class FallDetector {
  public:
   // Takes the next cycle of 10 ms of a robot on its feet. Returns the direction of a fall in the cycle in
   // which it is detected, kNone in every other. O(1).
-  FallDirection update(const FallLimits& limits, const estimation::TrunkMotion& trunk);
+  // `error_percent`: of a walk that measures it.
+  FallDirection update(const FallLimits& limits, const estimation::TrunkMotion& trunk,
+                       std::optional<std::uint16_t> error_percent = std::nullopt);
   // Stops the detection until the trunk has been within `min_lean` once: a robot that is carried or put down
   // does not fall.
   void disarm();

@@ -17,7 +17,13 @@ struct Plan {
   motion::Lean lean;                      // of the trunk: only what deviates from it may be a fall
   fixed::Angle pitch;                     // of the trunk, forward positive: the feedback holds it
   std::optional<walk::PlannedZmp> zmp{};  // for the end of the cycle
-  std::optional<hal::Side> swing{};       // the foot in the air, of a walk
+  // Set by the plan of a walk: the foot in the air, the foot that bears the robot, and the foot relative to
+  // which the motion of the centre of mass is measured.
+  std::optional<hal::Side> swing{};
+  std::optional<hal::Side> support{};
+  std::optional<hal::Side> reference{};
+  std::optional<walk::Point> dcm_error{};
+  std::optional<std::uint16_t> error_percent{};  // of what the next steps catch (Walker::error_percent)
   balance::FeedbackMode feedback = balance::FeedbackMode::kStanding;
 };
 

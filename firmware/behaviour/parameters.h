@@ -17,7 +17,14 @@ struct PowerParameters {
   // Speed of the soft start, 2^-12 turn/s. By hand, 2026-11-21: 60 degrees a second, at which half a turn
   // takes 3 s.
   std::int16_t ramp_rate = 683;
-  std::uint16_t supply_low_mV = 0;  // below it for two seconds the robot stands until it is commanded limp
+  // An open-circuit voltage below it for two seconds counts as low (SupplyGuard): the robot sits down.
+  std::uint16_t supply_low_mV = 0;
+  // Sag of the supply while one drive stalls at its rated voltage; 0: the guard judges the voltage under
+  // load.
+  std::uint16_t stalled_drive_sag_mV = 0;
+  // Speed of a drive without load at its rated voltage, 2^-12 turn/s; 0: the estimate leaves out the power of
+  // turning motors.
+  std::int16_t no_load_speed = 0;
 };
 
 struct GettingUp {

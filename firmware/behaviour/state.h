@@ -29,12 +29,14 @@ enum class State : std::uint8_t {
   kRolling = 13,
   kRising = 14,
   kSteadying = 15,
+  kSittingDown = 16,
+  kStreaming = 17,
 };
 
 // The generator of a state's joint targets (motion_source.h); kNone: the targets stay, or follow the
 // joints.
-enum class Source : std::uint8_t { kNone, kSoftStart, kMotion, kWalk };
-inline constexpr std::size_t kSources = 4;
+enum class Source : std::uint8_t { kNone, kSoftStart, kMotion, kWalk, kSittingDown, kStream };
+inline constexpr std::size_t kSources = 6;
 
 // Properties of states, combined by |.
 using Traits = std::uint16_t;
@@ -91,6 +93,10 @@ inline constexpr StateRow kStates[] = {
     {State::kRolling, "rolling", kUpAgain},                 // from its side onto chest or back
     {State::kRising, "rising", kUpAgain},
     {State::kSteadying, "steadying", kUpAgain | kBalances | kFalls},  // has risen; waits until it is at rest
+    // Ends its motion or walk and sits down, for its supply is low.
+    {State::kSittingDown, "sitting down", kOnFeet, Source::kSittingDown},
+    // Follows joint targets from outside; whoever sends them balances the robot.
+    {State::kStreaming, "streaming", kIsOnItsFeet | kFalls | kHasTorque, Source::kStream},
 };
 
 enum class Event : std::uint8_t {
@@ -99,12 +105,15 @@ enum class Event : std::uint8_t {
   kLimp,
   kPlay,
   kWalk,
+  kStream,
+  kPushed,  // beyond what a robot that stands can take
   kReset,
   kEmergencyStop,
   kEnabled,  // all drives are in operation enabled
   kGetUp,
   kEnded,  // of the state's source of targets
   kLowBattery,
+  kSitDown,             // the supply is low, and the robot has a motion for it
   kFall,                // detected, before the impact
   kDown,                // on the ground, or about to be
   kStill,               // at rest on the ground
@@ -122,7 +131,7 @@ enum class Reason : std::uint8_t {
   kNone = 0,
   kCommand = 1,
   kProgress = 2,   // the last state was complete
-  kSupplyLow = 3,  // for two seconds
+  kSupplyLow = 3,  // for two seconds; also a refusal
   kFallPredicted = 4,
   kRecoveryStepFailed = 5,  // it did not rise, roll or come to rest as it should
   // The pose in which the robot lies.
@@ -133,6 +142,7 @@ enum class Reason : std::uint8_t {
   kHeldUpright = 10,
   kCaughtItself = 11,  // it came to rest on its feet after all
   kOnSeat = 12,        // another pose of a robot that lies, as kProne to kOnRightSide
+  kPushed = 13,        // steps catch what the soles alone do not
   // Faults: they lead to State::kFault.
   kModelInvalid = 16,  // no valid RobotModel in storage
   kDriveFault = 17,    // its kind, joint and error code stand beside it
@@ -225,8 +235,14 @@ inline constexpr Rule kRules[] = {
     {States{State::kSoftStart}, Event::kEnded, State::kStanding},
     {States{State::kStanding}, Event::kPlay, State::kMotion},
     {States{State::kStanding}, Event::kWalk, State::kWalking},
-    {States{State::kMotion, State::kWalking}, Event::kEnded, State::kStanding},
-    {States{State::kStanding}, Event::kLowBattery, State::kLowBattery},
+    {States{State::kStanding}, Event::kStream, State::kStreaming},
+    {States{State::kStanding}, Event::kPushed, State::kWalking},
+    {States{State::kMotion, State::kWalking, State::kStreaming}, Event::kEnded, State::kStanding},
+    {States{State::kStanding, State::kMotion, State::kWalking, State::kStreaming}, Event::kSitDown,
+     State::kSittingDown},
+    {States{State::kSittingDown}, Event::kEnded, State::kLimp},
+    {States{State::kStanding, State::kSittingDown}, Event::kLowBattery, State::kLowBattery},
+    {States{State::kFallen}, Event::kLowBattery, State::kLimp},
     {kMayFall, Event::kFall, State::kFalling},
     {States{State::kFalling}, Event::kDown, State::kFallen},
     {States{State::kLimp}, Event::kGetUp, State::kFallen},

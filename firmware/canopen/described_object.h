@@ -144,6 +144,7 @@ inline constexpr ValueName kErrorCodeNames[] = {
     value_name(cia402::kErrorFollowing, "following error"),
     {0xFF00, "behaviour fault"},
     {0xFF01, "no torque limit"},
+    {0xFF02, "policy stopped"},
 };
 
 namespace cia402 {

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 
+#include "firmware/estimation/level_axes.h"
 #include "firmware/estimation/posture.h"
 #include "firmware/fixed/gravity.h"
+#include "firmware/fixed/interpolation.h"
+#include "firmware/fixed/radians.h"
 #include "firmware/fixed/saturating.h"
 #include "firmware/robot/kinematics.h"
+#include "hal/port/period.h"
 
 namespace koboshi::estimation {
 namespace {
@@ -22,7 +26,9 @@ Estimator::Estimator(const robot::RobotModel& model)
       inertial_link_(model),
       foot_sensors_{FootSensor(model, hal::Side::kLeft), FootSensor(model, hal::Side::kRight)},
       torque_contact_(model),
-      weight_(fixed::product<fixed::Force>(robot::total_mass(model), fixed::kGravity)) {
+      weight_(fixed::product<fixed::Force>(robot::total_mass(model), fixed::kGravity)),
+      contacts_{ContactWatch(weight_ / FootSensor::kWeightPerMinLoad),
+                ContactWatch(weight_ / FootSensor::kWeightPerMinLoad)} {
   state_.measures_loads = model.measures_loads();
   for (std::size_t foot = 0; foot < wrenches_.size() && !state_.measures_loads; ++foot)
     wrenches_[foot].fill(FootSensor::kNoCount);
@@ -40,8 +46,9 @@ const RobotState& Estimator::update(std::span<const fixed::Angle> angles, bool r
   update_gyro_bias(inertial_.rates(), rests);
   update_attitude(rests);
   if (!inertial_link_.is_trunk()) convert_to_trunk(angles);
-  update_balance(angles, legs);
+  update_balance(angles, rests, legs);
   update_ages(now_us);
+  update_contacts();
   return state_;
 }
 
@@ -78,9 +85,10 @@ void Estimator::update_gyro_bias(const Rates& raw_B, bool rests) {
 void Estimator::update_attitude(bool rests) {
   using enum AttitudeEstimator::Condition;
   state_.accelerations_B = inertial_.accelerations();
-  attitude_.update(inertial_.take_turn(gyro_bias_.bias()), state_.accelerations_B,
-                   rests ? kResting : kMoving);
+  const robot::Vector<fixed::Ratio> turn_B = inertial_.take_turn(gyro_bias_.bias());
+  attitude_.update(turn_B, state_.accelerations_B, rests ? kResting : kMoving);
   state_.up_B = attitude_.up_B();
+  turn_ = fixed::from_rad(dot(state_.up_B, turn_B));
   state_.roll = attitude_.roll();
   state_.pitch = attitude_.pitch();
 }
@@ -93,13 +101,33 @@ void Estimator::convert_to_trunk(std::span<const fixed::Angle> angles) {
   state_.up_B = R_BL * state_.up_B;
   state_.roll = roll_of(state_.up_B);
   state_.pitch = pitch_of(state_.up_B);
+  turn_ = fixed::rotation(dot(state_.up_B, state_.rates_B), std::int32_t{hal::kControlPeriod_us});
 }
 
-void Estimator::update_balance(std::span<const fixed::Angle> angles, const LegEvidence& legs) {
+void Estimator::update_balance(std::span<const fixed::Angle> angles, bool rests, const LegEvidence& legs) {
   const Posture posture = posture_at(model_, angles);
   update_feet(legs);
   state_.zmp = combine(state_.feet, posture);
   state_.centre_of_mass = posture.centre_of_mass(state_.zmp.frame);
+  if (model_.joint_count == 0) return;
+  const hal::Side foot = standing_foot(legs);
+  const auto axes = level_axes(posture.X_BSole[foot].R, state_.up_B);
+  state_.com = com_.update(posture, axes, state_.up_B, state_.accelerations_B, foot);
+  const bool moves = !rests && !legs.stands_still && state_.gyro_known;
+  state_.odometer = odometry_.update(posture, axes, state_.up_B, turn_, foot, !moves);
+  if (legs.stands_still) state_.ground = ground_.update(posture, state_.up_B, state_.zmp);
+}
+
+void Estimator::update_contacts() {
+  for (std::size_t foot = 0; foot < contacts_.size(); ++foot)
+    state_.contacts[foot] = contacts_[foot].update(state_.feet[foot], state_.ankle_age_us[foot]);
+}
+
+// Outside of a walk it stays the same as long as it bears anything.
+hal::Side Estimator::standing_foot(const LegEvidence& legs) const {
+  if (legs.reference) return *legs.reference;
+  const hal::Side last = state_.com.sole;
+  return !state_.feet[last].contact && state_.feet[other(last)].contact ? other(last) : last;
 }
 
 void Estimator::update_feet(const LegEvidence& legs) {

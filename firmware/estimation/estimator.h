@@ -6,6 +6,7 @@
 #include <span>
 
 #include "firmware/estimation/attitude.h"
+#include "firmware/estimation/centre_of_mass.h"
 #include "firmware/estimation/gyro_bias.h"
 #include "firmware/estimation/inertial.h"
 #include "firmware/estimation/inertial_link.h"
@@ -66,9 +67,11 @@ class Estimator {
   void update_attitude(bool rests);
   // Converts attitude, rates and accelerations from the link of the inertial unit to the trunk.
   [[gnu::cold]] void convert_to_trunk(std::span<const fixed::Angle> angles);
-  void update_balance(std::span<const fixed::Angle> angles, const LegEvidence& legs);
+  void update_balance(std::span<const fixed::Angle> angles, bool rests, const LegEvidence& legs);
   void update_feet(const LegEvidence& legs);
+  [[nodiscard]] hal::Side standing_foot(const LegEvidence& legs) const;
   void update_ages(std::uint64_t now_us);
+  void update_contacts();
 
   const robot::RobotModel& model_;
   InertialSensor inertial_;
@@ -80,7 +83,12 @@ class Estimator {
   hal::BySide<std::optional<std::uint64_t>> ankle_us_;  // time of each one's last sample
   hal::BySide<bool> switches_{};                        // closed; of contact switches
   TorqueContact torque_contact_;                        // of a robot without ankle sensors
+  CentreOfMassObserver com_;
+  Odometry odometry_;
+  fixed::Angle turn_;  // of the trunk about gravity in the last cycle
+  GroundEstimator ground_;
   fixed::Force weight_;
+  hal::BySide<ContactWatch> contacts_;
   bool calibrating_ = false;
   bool bias_assumed_ = false;
   std::uint16_t gyro_calibrations_ = 0;

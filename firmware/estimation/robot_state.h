@@ -3,6 +3,10 @@
 #include <cstdint>
 #include <limits>
 
+#include "firmware/estimation/centre_of_mass.h"
+#include "firmware/estimation/contact.h"
+#include "firmware/estimation/ground.h"
+#include "firmware/estimation/odometry.h"
 #include "firmware/estimation/zmp.h"
 #include "firmware/robot/geometry.h"
 
@@ -32,6 +36,12 @@ struct RobotState {
 
   // From the joint angles: the centre of mass, in the frame of `zmp`.
   robot::Position centre_of_mass;
+  // From joint angles, attitude and accelerometer.
+  CentreOfMassMotion com;
+
+  hal::BySide<ContactState> contacts{};
+  Odometer odometer;
+  Ground ground;  // of the last time the robot stood still
 };
 
 }  // namespace koboshi::estimation

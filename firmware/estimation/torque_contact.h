@@ -14,6 +14,9 @@ struct LegEvidence {
   std::span<const std::int16_t> torques_permille{};  // of all joints, in any sign, or none
   bool walks = false;
   std::optional<hal::Side> swing{};  // the foot that the walk plans in the air now
+  // The foot relative to which a walk asks for the motion of the centre of mass.
+  std::optional<hal::Side> reference{};
+  bool stands_still = false;  // by command: no motion plays
 };
 
 // Tells which feet bear a robot without sensors in its feet, from torques and time.

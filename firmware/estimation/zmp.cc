@@ -55,8 +55,7 @@ FootSensor::Counts FootSensor::wrench(const hal::AnkleSample& sample) const {
   return counts;
 }
 
-FootSensor::Counts FootSensor::cell_wrench(
-    const std::array<std::int16_t, hal::kPressureCells>& cells) const {
+FootSensor::Counts FootSensor::cell_wrench(const std::array<std::int16_t, hal::kPressureCells>& cells) const {
   const auto& places = model_.feet[side_].cells;
   std::int32_t sum = 0;
   Torque torque_x;

@@ -15,6 +15,8 @@ using Angle = Quantity<struct AngleTag, 32, Overflow::kWrap>;
 using AngularRate = Quantity<struct AngularRateTag, 24, Overflow::kSaturate>;
 // m, to +-128 m; LSB 60 nm.
 using Length = Quantity<struct LengthTag, 24, Overflow::kSaturate>;
+// m/s, to +-128 m/s; LSB 60 nm/s.
+using Speed = Quantity<struct SpeedTag, 24, Overflow::kSaturate>;
 // N m, to +-2048 N m; LSB 0.95 uN m.
 using Torque = Quantity<struct TorqueTag, 20, Overflow::kSaturate>;
 // N, to +-32768 N; LSB 15 uN.

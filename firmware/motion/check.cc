@@ -41,7 +41,10 @@ MotionStatus check_attitude(const Step& step) {
 
 MotionStatus check_move(const Motion& motion, const Step& step) {
   const Move move = Move::of(step);
-  if (!only(step.mode, Move::kModeMask) || move.interpolation > kLastInterpolation)
+  const bool is_new = move.at_least || move.interpolation > Interpolation::kCubic;
+  if (!only(step.mode, Move::kModeMask) || (is_new && motion.version() < kAtLeastVersion))
+    return MotionStatus::kBadOpcode;
+  if (move.at_least && (move.by_speed || move.interpolation == Interpolation::kCubic))
     return MotionStatus::kBadOpcode;
   if (!(move.by_speed ? move.value > 0 : is_time(move.value))) return MotionStatus::kBadStepTime;
   return ok_if(move.pose < motion.pose_count(), MotionStatus::kNoSuchPose);

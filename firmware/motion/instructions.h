@@ -14,27 +14,34 @@ enum class Interpolation : std::uint8_t {
   kLinear = 0,
   kMinimumJerk = 1,  // 10 s^3 - 15 s^4 + 6 s^5 (Flash and Hogan 1985): starts and ends at rest
   kCubic = 2,        // through successive poses without stopping, see trajectory.h
+  kTrapezoid = 3,    // of the speed: a third of the time each for acceleration, constant speed, deceleration
 };
-inline constexpr auto kLastInterpolation = Interpolation::kCubic;
+inline constexpr auto kLastInterpolation = Interpolation::kTrapezoid;
 
 // kMove.
 struct Move {
   static constexpr std::uint8_t kInterpolationMask = 3;
   static constexpr std::uint8_t kBySpeed = 4;
-  static constexpr std::uint8_t kModeMask = kInterpolationMask | kBySpeed;
+  static constexpr std::uint8_t kAtLeast = 8;
+  static constexpr std::uint8_t kModeMask = kInterpolationMask | kBySpeed | kAtLeast;
 
   Interpolation interpolation = Interpolation::kLinear;
   bool by_speed = false;  // `value` is the peak speed of the fastest joint, 2^-24 turn/s, instead of a time
   std::uint16_t pose = 0;
   std::uint32_t value = 0;  // us, kMinStepTime_us..kMaxStepTime_us
+  // `value` is the least time; the move takes as much more as its joints need from where they are, each
+  // within its speed limit in the model. Neither by speed nor a cubic, whose peak speed depends on the next
+  // move.
+  bool at_least = false;
 
   constexpr Step step() const {
-    const unsigned mode = static_cast<unsigned>(interpolation) | (by_speed ? kBySpeed : 0u);
+    const unsigned mode =
+        static_cast<unsigned>(interpolation) | (by_speed ? kBySpeed : 0u) | (at_least ? kAtLeast : 0u);
     return {Opcode::kMove, pose, value, static_cast<std::uint8_t>(mode)};
   }
   static constexpr Move of(const Step& step) {
     return {static_cast<Interpolation>(step.mode & kInterpolationMask), (step.mode & kBySpeed) != 0,
-            step.operand, step.value};
+            step.operand, step.value, (step.mode & kAtLeast) != 0};
   }
 };
 

@@ -106,7 +106,7 @@ int Interpreter::work_of(const Step& step) {
   if (step.opcode == Opcode::kMove) {
     const Move move = Move::of(step);
     const int work = move.interpolation == Interpolation::kCubic ? kCubicWork : kMoveWork;
-    return work + (move.by_speed ? kBySpeedWork : 0);
+    return work + (move.by_speed ? kBySpeedWork : 0) + (move.at_least ? kAtLeastWork : 0);
   }
   return has_condition(step.opcode) ? kStepWork * (1 + Condition::of(step).count) : kStepWork;
 }
@@ -150,6 +150,7 @@ bool Interpreter::begin_timed(const Step& step, const Inputs& inputs) {
 // Reads the pose of a move. Returns its duration.
 std::uint32_t Interpreter::look_ahead(const Move& move) {
   const std::uint32_t travel = trajectory_.look_ahead(motion_.pose_reader(move.pose));
+  if (move.at_least) return std::max(move.value, trajectory_.fastest_us(move.interpolation));
   return move.by_speed ? Trajectory::duration_us(move.interpolation, travel, move.value) : move.value;
 }
 

@@ -25,7 +25,8 @@ class Interpreter {  // Large: the whole state of a program that runs
   static constexpr int kMoveWork = 6;     // reads its pose
   static constexpr int kCubicWork = 12;   // also reads the next pose, and plans its way through the first
   static constexpr int kBySpeedWork = 1;  // divides for the duration
-  static_assert(kMaxWork >= kCubicWork + kBySpeedWork &&
+  static constexpr int kAtLeastWork = 4;  // also looks for the slowest joint; no cubic
+  static_assert(kMaxWork >= kCubicWork + kBySpeedWork && kMaxWork >= kMoveWork + kAtLeastWork &&
                     kMaxWork >= kStepWork * (1 + static_cast<int>(kMaxTests)),
                 "each step fits one call");
   static constexpr std::uint32_t kMaxAdvance_us = 100'000;

@@ -15,17 +15,6 @@ using storage::ImageStatus;
 
 namespace {
 
-// Returns whether the field is a name: at least one printable character, padded with zeros.
-bool is_name(std::span<const std::byte> field) {
-  bool ended = false;
-  for (const std::byte letter : field) {
-    const bool printable = letter >= std::byte{' '} && letter <= std::byte{'~'};
-    if (printable ? ended : letter != std::byte{0}) return false;
-    ended = !printable;
-  }
-  return field[0] != std::byte{0};
-}
-
 // Bit by bit: for std::popcount, and for a loop over the set bits, a core without the instruction needs the
 // compiler's library.
 constexpr std::size_t joints_in(std::uint32_t mask) {
@@ -74,12 +63,15 @@ bool Motion::read_counts(std::span<const std::byte> body) {
 
 MotionVerdict Motion::open(std::span<const std::byte> bytes, const robot::RobotModel& model, Motion& motion) {
   storage::Image image;
-  const ImageStatus opened = storage::open_image(bytes, kMotionMagic, kMotionVersion, image);
+  Motion candidate;
+  candidate.version_ = kMotionVersion;
+  ImageStatus opened = storage::open_image(bytes, kMotionMagic, kMotionVersion, image);
+  while (opened == ImageStatus::kBadVersion && candidate.version_ > kOldestMotionVersion)
+    opened = storage::open_image(bytes, kMotionMagic, --candidate.version_, image);
   if (opened != ImageStatus::kOk) return {static_cast<MotionStatus>(opened)};
   if (image.body.size() < kMotionFixedSize) return {MotionStatus::kBadSize};
 
   const std::uint32_t model_id = ImageReader(image.body).u32();
-  Motion candidate;
   const bool reserved_are_zero = candidate.read_counts(image.body);
   if (model_id != model.id) return {MotionStatus::kOtherRobot};
   if (candidate.joint_count_ != model.joint_count || candidate.variable_count_ > kMaxVariables ||
@@ -99,7 +91,7 @@ MotionVerdict Motion::open(std::span<const std::byte> bytes, const robot::RobotM
   if (image.body.size() != steps_at + candidate.step_count_ * kStepSize) return {MotionStatus::kBadSize};
   candidate.poses_ = image.body.data() + poses_at;
   candidate.steps_ = image.body.data() + steps_at;
-  if (!is_name(image.body.subspan(4, kNameSize))) return {MotionStatus::kBadName};
+  if (!storage::is_image_name(image.body.subspan(4, kNameSize))) return {MotionStatus::kBadName};
   const MotionVerdict checked = check_motion(candidate, model, candidate.main_step_count_);
   if (!checked.ok()) return checked;
   candidate.claimed_joints_ |= joints_of_steps(candidate);
@@ -111,6 +103,7 @@ Motion Motion::reopen(std::span<const std::byte> bytes, const Findings& findings
   const std::size_t size = u32_at(bytes.data() + storage::kImageSizeOffset);
   KOBOSHI_ASSERT(size <= bytes.size() && size >= storage::kImageHeaderSize + kMotionFixedSize);
   Motion motion;
+  motion.version_ = std::to_integer<std::uint8_t>(bytes[storage::kImageVersionOffset]);
   static_cast<void>(
       motion.read_counts(bytes.subspan(storage::kImageHeaderSize, size - storage::kImageHeaderSize)));
   motion.poses_ = motion.body_.data() + kMotionFixedSize + motion.group_count_ * kPoseGroupSize;
@@ -126,10 +119,7 @@ std::size_t Motion::image_size_bytes() const {
 
 std::string_view Motion::name() const {
   if (body_.empty()) return {};
-  const std::span<const std::byte> field = body_.subspan(4, kNameSize);
-  std::size_t length = 0;
-  while (length < kNameSize && field[length] != std::byte{0}) ++length;
-  return {reinterpret_cast<const char*>(field.data()), length};
+  return storage::image_name(body_.subspan(4, kNameSize));
 }
 
 PoseGroup Motion::group(std::size_t index) const {

@@ -12,7 +12,10 @@
 namespace koboshi::motion {
 
 inline constexpr std::uint32_t kMotionMagic = 0x544F4D4Bu;  // "KMOT"
-inline constexpr std::uint16_t kMotionVersion = 2;
+inline constexpr std::uint16_t kMotionVersion = 3;          // the newest
+// The oldest version that is still played. Version 3 adds to it Move::at_least and Interpolation::kTrapezoid.
+inline constexpr std::uint16_t kOldestMotionVersion = 2;
+inline constexpr std::uint16_t kAtLeastVersion = 3;
 inline constexpr std::size_t kNameSize = 24;
 inline constexpr std::size_t kMaxVariables = 16;
 inline constexpr std::size_t kMaxPoseGroups = 32;
@@ -171,6 +174,8 @@ class Motion {
   [[nodiscard]] static Motion reopen(std::span<const std::byte> bytes, const Findings& findings);
 
   [[nodiscard]] std::string_view name() const;
+  // Returns the version of the image, kOldestMotionVersion to kMotionVersion; 0 for an empty motion.
+  [[nodiscard]] std::uint16_t version() const { return version_; }
   // Bytes of the whole image, as its header states them; 0 for an empty motion.
   [[nodiscard]] std::size_t image_size_bytes() const;
   [[nodiscard]] std::size_t joint_count() const { return joint_count_; }
@@ -206,6 +211,7 @@ class Motion {
   std::uint16_t step_count_ = 0;
   std::uint16_t main_step_count_ = 0;
   std::uint16_t exit_step_ = kNoStep;
+  std::uint8_t version_ = 0;
   std::uint8_t joint_count_ = 0;
   std::uint8_t variable_count_ = 0;
   std::uint8_t group_count_ = 0;

@@ -18,10 +18,15 @@ enum class Role : std::uint8_t {
   kRiseProne,  // from this pose to standing
   kRiseSupine,
   kRiseSeat,
+  kSit,  // from standing to a seat on which the robot stays without torque
 };
 
-inline constexpr std::array<std::string_view, 9> kMotionNames{"fall_front", "fall_back",   "fall_left",
-                                                              "fall_right", "roll_left",   "roll_right",
-                                                              "rise_prone", "rise_supine", "rise_seat"};
+inline constexpr std::array<std::string_view, 10> kMotionNames{
+    "fall_front", "fall_back",  "fall_left",   "fall_right", "roll_left",
+    "roll_right", "rise_prone", "rise_supine", "rise_seat",  "sit"};
+
+// Whether the robot stands when the behaviour plays the motion of this role. All others begin during or after
+// a fall.
+constexpr bool begins_on_feet(Role role) { return role == Role::kSit; }
 
 }  // namespace koboshi::motion

@@ -39,6 +39,17 @@ Ratio minimum_jerk(Ratio fraction) {
       static_cast<std::int32_t>(product_raw(s3, (std::int64_t{10} << kOneBits) - 15 * s + 6 * s2)));
 }
 
+// The share of the way after this share of the time, with a third of it each to speed up and to slow down.
+Ratio trapezoid(Ratio fraction) {
+  constexpr std::int64_t kOne = std::int64_t{1} << kOneBits;
+  const std::int64_t s = fraction.raw();
+  const std::int64_t left = kOne - s;
+  const std::int64_t way = 3 * s <= kOne      ? 9 * product_raw(s, s) / 4
+                           : 3 * left <= kOne ? kOne - 9 * product_raw(left, left) / 4
+                                              : 3 * s / 2 - kOne / 4;
+  return Ratio::from_raw(static_cast<std::int32_t>(way));
+}
+
 // The weights of the harmonic mean, 2^-16, from the share w = T1 / (T1 + T2) of the present move's time.
 struct Weights {
   std::uint32_t present = 0;  // w
@@ -110,8 +121,9 @@ void Trajectory::release(std::uint32_t joints, std::span<const Angle> angles) {
 std::uint32_t Trajectory::duration_us(Interpolation interpolation, std::uint32_t travel,
                                       std::uint32_t speed) {
   KOBOSHI_ASSERT(speed > 0);
-  // The ratio of peak to mean speed, in eighths: linear 1, minimum jerk 15/8, cubic from and to rest 3/2.
-  constexpr std::array<std::uint32_t, 3> kPeakRatio{8, 15, 12};
+  // The ratio of peak to mean speed, in eighths: linear 1, minimum jerk 15/8, cubic from and to rest 3/2,
+  // trapezoid 3/2.
+  constexpr std::array<std::uint32_t, 4> kPeakRatio{8, 15, 12, 12};
   constexpr std::uint32_t kPerEighth = 1'000'000 / 8;
   constexpr int kShift = Angle::kFractionBits - fixed::AngularRate::kFractionBits;
   const std::uint64_t way =
@@ -135,6 +147,20 @@ std::uint32_t Trajectory::look_ahead(PoseReader pose) {
   }
   changing_ahead_ = joints_ahead_ & ~staying;
   return travel;
+}
+
+std::uint32_t Trajectory::fastest_us(Interpolation interpolation) const {
+  // The joint that takes the longest, by products instead of a division for each joint.
+  std::uint32_t travel = 0;
+  std::uint32_t speed = 1;
+  for_each(changing_ahead_, [&](std::size_t joint) {
+    const std::uint32_t way = distance(ahead_[joint], to_[joint]);
+    const auto limit = static_cast<std::uint32_t>(model_.joints[joint].max_speed.raw());
+    if (std::uint64_t{way} * speed <= std::uint64_t{travel} * limit) return;
+    travel = way;
+    speed = limit;
+  });
+  return duration_us(interpolation, travel, speed);
 }
 
 void Trajectory::begin_wait() {
@@ -177,6 +203,8 @@ void Trajectory::interpolate(Ratio fraction) {
       return interpolate_linearly(minimum_jerk(fraction));
     case Interpolation::kCubic:
       return interpolate_cubic(fraction);
+    case Interpolation::kTrapezoid:
+      return interpolate_linearly(trapezoid(fraction));
   }
 }
 

@@ -15,6 +15,7 @@ namespace koboshi::motion {
 //
 //   linear:        p0 + (p1 - p0) s
 //   minimum jerk:  p0 + (p1 - p0) (10 s^3 - 15 s^4 + 6 s^5)
+//   trapezoid:     p0 + (p1 - p0) (9/4 s^2 up to s = 1/3, 3/2 s - 1/4 up to 2/3, 1 - 9/4 (1 - s)^2)
 //   cubic:         p0 + (p1 - p0) (3 s^2 - 2 s^3) + T v0 (s^3 - 2 s^2 + s) + T v1 (s^3 - s^2)
 //
 // The velocity v1 at the end of a cubic is zero unless another cubic follows that moves the joint on in the
@@ -40,6 +41,10 @@ class Trajectory {
   // Reads the pose of the next move, or of the one that continues it. Returns the longest way of a joint from
   // the end of the present step to it, 2^-32 turn. begin_move and plan_through use the pose read last.
   std::uint32_t look_ahead(PoseReader pose);
+
+  // Returns the time in which no joint exceeds its speed limit on the way to the pose that look_ahead read;
+  // kMinStepTime_us to kMaxStepTime_us.
+  [[nodiscard]] std::uint32_t fastest_us(Interpolation interpolation) const;
 
   // The joints of this mask, bit i for joint i, rest where they were measured, clamped to their limits, and
   // take no part in the present move. Joints beyond the end of `angles` keep their targets.

@@ -57,4 +57,20 @@ ImageStatus open_image(std::span<const std::byte> bytes, std::uint32_t magic, st
   return ImageStatus::kOk;
 }
 
+bool is_image_name(std::span<const std::byte> field) {
+  bool ended = false;
+  for (const std::byte letter : field) {
+    const bool printable = letter >= std::byte{' '} && letter <= std::byte{'~'};
+    if (printable ? ended : letter != std::byte{0}) return false;
+    ended = !printable;
+  }
+  return field[0] != std::byte{0};
+}
+
+std::string_view image_name(std::span<const std::byte> field) {
+  std::size_t length = 0;
+  while (length < field.size() && field[length] != std::byte{0}) ++length;
+  return {reinterpret_cast<const char*>(field.data()), length};
+}
+
 }  // namespace koboshi::storage

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace koboshi::storage {
 
@@ -14,6 +15,7 @@ namespace koboshi::storage {
 // reserved u16 (zero), size u32 of the whole image, CRC-32 u32 of all its bytes but these four. The sectors
 // that hold an image may be longer than the image.
 inline constexpr std::size_t kImageHeaderSize = 16;
+inline constexpr std::size_t kImageVersionOffset = 4;
 inline constexpr std::size_t kImageSizeOffset = 8;
 inline constexpr std::size_t kImageCrcOffset = 12;
 
@@ -37,6 +39,11 @@ struct Image {
 // Checks the header and the CRC of the image at the start of `bytes`. Sets `image` on kOk only.
 ImageStatus open_image(std::span<const std::byte> bytes, std::uint32_t magic, std::uint16_t version,
                        Image& image);
+
+// Returns whether the field is a name: at least one printable ASCII character, padded with zeros.
+[[nodiscard]] bool is_image_name(std::span<const std::byte> field);
+// Returns the name in the field, without its padding.
+[[nodiscard]] std::string_view image_name(std::span<const std::byte> field);
 
 // Reads consecutive little-endian fields. Past the end it returns zeros, and `ok` is false from then on.
 class ImageReader {

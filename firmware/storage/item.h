@@ -12,6 +12,7 @@ enum class ItemKind : std::uint16_t {
   kParameters = 3,         // what was saved; only in the ItemStore
   kFactoryParameters = 4,  // what the robot leaves the factory with; only in the catalogue
   kNodeId = 5,             // of a drive or sensor: one byte
+  kPolicy = 6,             // of the walk: a learned controller; number 0
 };
 
 inline constexpr std::size_t kMaxMotions = 200;

@@ -1,6 +1,7 @@
 #include "firmware/storage/item_store.h"
 
 #include <algorithm>
+#include <array>
 
 #include "firmware/storage/item_store_record.h"
 
@@ -135,10 +136,10 @@ void ItemStore::write_page(std::size_t size) {
 }
 
 void ItemStore::write_header(std::uint16_t size) {
+  constexpr std::array kOthers{ItemKind::kParameters, ItemKind::kNodeId, ItemKind::kPolicy};  // by key
+  static_assert(kMaxMotions + kOthers.size() == kKeys);
   const bool is_motion = key_ < kMaxMotions;
-  const ItemKind kind = is_motion             ? ItemKind::kMotion
-                        : key_ == kMaxMotions ? ItemKind::kParameters
-                                              : ItemKind::kNodeId;
+  const ItemKind kind = is_motion ? ItemKind::kMotion : kOthers[key_ - kMaxMotions];
   const Header header{.kind = static_cast<std::uint8_t>(kind),
                       .number = static_cast<std::uint8_t>(is_motion ? key_ : 0),
                       .size = size,

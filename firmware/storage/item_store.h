@@ -49,7 +49,7 @@ namespace koboshi::storage {
 class ItemStore {  // Large: the stages of a write, and of a copy meanwhile
  public:
   static constexpr std::size_t kHeaderSize = 16;
-  static constexpr std::size_t kMaxItemSize_bytes = 8 * 1024;
+  static constexpr std::size_t kMaxItemSize_bytes = 12 * 1024;
   // The most bytes of one `append`: a page, less what may wait in it for the rest of its write unit.
   static constexpr std::size_t kMaxAppendSize =
       hal::StoragePort::kMaxWriteSize - (hal::StoragePort::kWriteUnit_bytes - 1);
@@ -117,8 +117,8 @@ class ItemStore {  // Large: the stages of a write, and of a copy meanwhile
   struct Header;
 
   static constexpr std::size_t kWriteUnit = hal::StoragePort::kWriteUnit_bytes;
-  // Items by number: motions, then the parameters and the node id.
-  static constexpr std::size_t kKeys = kMaxMotions + 2;
+  // Items by number: motions, then the parameters, the node id and the policy.
+  static constexpr std::size_t kKeys = kMaxMotions + 3;
   static constexpr std::size_t kNoKey = kKeys;
   static constexpr std::uint16_t kNone = 0xFFFF;
   using Index = std::array<std::uint16_t, kKeys>;  // start of each item's record in write units, or kNone

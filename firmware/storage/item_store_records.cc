@@ -11,6 +11,8 @@ std::size_t ItemStore::key_of(std::uint16_t kind, std::uint16_t number) {
       return number == 0 ? kMaxMotions : kNoKey;
     case ItemKind::kNodeId:
       return number == 0 ? kMaxMotions + 1 : kNoKey;
+    case ItemKind::kPolicy:
+      return number == 0 ? kMaxMotions + 2 : kNoKey;
     case ItemKind::kRobotModel:
     case ItemKind::kFactoryParameters:
       break;

@@ -191,6 +191,8 @@ void Body::solve(const Stance& stance, const Compliance& compliance, std::span<A
         is_complete() ? robot::FirstSolution::kAtOnce : robot::FirstSolution::kInParts);
     robot::LegAngles leg = solution;
     compensate(side, stance, compliance, p_SupportB + from_trunk(geometry.p_BH_B, yaw, pitch), leg);
+    leg.angles[kAnkleRoll] += signed_by(geometry.signs[kAnkleRoll], stance.tilts[side].roll);
+    leg.angles[kAnklePitch] += signed_by(geometry.signs[kAnklePitch], stance.tilts[side].pitch);
     for (const robot::LegJoint i : geometry.chain()) targets[geometry.joints[i]] = leg.angles[i];
   }
   is_solved_ = true;

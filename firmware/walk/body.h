@@ -10,6 +10,12 @@
 
 namespace koboshi::walk {
 
+// A small rotation: to the right about x and forward about y.
+struct Tilt {
+  fixed::Angle roll;
+  fixed::Angle pitch;
+};
+
 // Planned pose of the body in the frame of the support foot's sole, and the load of the feet.
 struct Stance {
   robot::Position centre_of_mass;
@@ -17,6 +23,7 @@ struct Stance {
   fixed::Angle pitch;
   hal::BySide<Foothold> soles;
   hal::BySide<fixed::Length> heights{};  // of the soles
+  hal::BySide<Tilt> tilts{};             // of the soles, by the ankles alone, beyond level
   hal::BySide<fixed::Ratio> load_shares{};
   Point zmp;
 };

@@ -20,10 +20,8 @@ Footsteps::Footsteps(Length width, Gain growth, fixed::Ratio lag)
 Foothold Footsteps::step(Side swing, const Stride& stride) const {
   const bool left = swing == Side::kLeft;
   const bool opens = left == (stride.distance.y > Length());
-  const bool turns_out = left == (stride.turn > Angle());
   const Length lateral = opens ? stride.distance.y * 2 : Length();
-  return {.p = {stride.distance.x, (left ? width_ : -width_) + lateral},
-          .yaw = turns_out ? stride.turn * 2 : Angle()};
+  return {.p = {stride.distance.x, (left ? width_ : -width_) + lateral}, .yaw = stride.turn};
 }
 
 // Let b be the offset of the DCM from the new ZMP when a step begins, s_0 the last step and c = b + lag s_0

@@ -13,13 +13,11 @@ struct Stride {
   fixed::Angle turn;
 };
 
-[[nodiscard]] constexpr hal::Side other(hal::Side side) {
-  return side == hal::Side::kLeft ? hal::Side::kRight : hal::Side::kLeft;
-}
+using hal::other;
 
 // The periodic gait at a constant stride: its footholds, and the motion of the DCM on them that repeats
-// itself every two steps. In a lateral step or a turn the foot on the side that the robot moves to opens by
-// twice the stride, and the other foot closes.
+// itself every two steps. In a lateral step the foot on the side that the robot moves to opens by twice the
+// stride, and the other foot closes. In a turn every foot turns by the stride's turn.
 class Footsteps {
  public:
   // `width`: distance of the ZMPs under both feet. `growth`: of the DCM in a step (Pendulum::growth). `lag`:

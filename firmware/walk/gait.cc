@@ -19,7 +19,6 @@ namespace {
 
 constexpr std::int32_t kTick_ms = hal::kControlPeriod_us / 1'000;
 
-Length tenths_of_mm(std::int16_t value) { return fixed::mul_div(Length::from_raw(1 << 24), value, 10'000); }
 Ratio permille(std::int16_t value) { return fixed::mul_div(fixed::kOne, value, 1000); }
 // In two parts, because a Ratio ends at 2; an Angle ends at 3.14 rad.
 Angle mrad(std::int16_t value) {
@@ -50,6 +49,8 @@ std::int32_t distance_raw(std::int32_t value, std::int64_t hundredth, Ratio time
 
 }  // namespace
 
+Length tenths_of_mm(std::int16_t value) { return fixed::mul_div(Length::from_raw(1 << 24), value, 10'000); }
+
 bool is_gait(const WalkParameters& parameters) {
   const auto& step = parameters.step;
   const bool steps = step.time_ms > 0 && step.width > 0 && parameters.posture.com_height > 0;
@@ -70,6 +71,8 @@ Gait::Gait(const WalkParameters& parameters) {
   max_forward = tenths_of_mm(step.max_forward);
   max_lateral = tenths_of_mm(step.max_lateral);
   min_lateral = tenths_of_mm(step.min_lateral);
+  lengthening = permille(step.lengthening);
+  forward_offset = tenths_of_mm(step.forward_offset);
   com_height = tenths_of_mm(posture.com_height);
   zmp_forward = tenths_of_mm(posture.zmp_forward);
   zmp_inward = tenths_of_mm(posture.zmp_inward);
@@ -84,6 +87,13 @@ Gait::Gait(const WalkParameters& parameters) {
   smoothing = permille(reaction.smoothing);
   touchdown_load = hundredths_of_N(reaction.touchdown_load_cN);
   heading_hold = permille(reaction.heading_hold);
+  plan_age_ticks = reaction.plan_age_ms / kTick_ms;
+  level_swing = permille(reaction.level_swing);
+  level_fade = level_swing / 5;
+  zmp_tracking_forward = permille(reaction.zmp_tracking_forward);
+  zmp_tracking_lateral = permille(reaction.zmp_tracking_lateral);
+  max_zmp_shift_forward = tenths_of_mm(reaction.max_zmp_shift_forward);
+  max_zmp_shift_lateral = tenths_of_mm(reaction.max_zmp_shift_lateral);
 }
 
 // mm/s^2 over a cycle of 10 ms are hundredths of a mm/s.

@@ -26,6 +26,10 @@ struct WalkParameters {
     std::int16_t max_forward = 0;  // in front and behind
     std::int16_t max_lateral = 0;
     std::int16_t min_lateral = 0;
+    // What servos that yield take from a step is added to its plan: a share of it backward and to the side,
+    // and a length in each step forward, by which the feet of a robot that steps on the spot land behind.
+    std::int16_t lengthening = 0;
+    std::int16_t forward_offset = 0;
 
     friend bool operator==(const Steps&, const Steps&) = default;
   } step;  // 0x2130
@@ -53,6 +57,17 @@ struct WalkParameters {
     std::int16_t smoothing = 0;          // share of the last cycle's DCM error that is kept
     std::int16_t touchdown_load_cN = 0;  // on the swing foot, which ends a step early; 0: no load does
     std::int16_t heading_hold = 0;       // share of the heading error by which a step turns back
+    // From the plan to its measurement: servos, sensors and estimation. 0: the DCM is not compared.
+    std::int16_t plan_age_ms = 0;
+    std::int16_t level_swing = 0;  // share of the trunk's lean against which the swing foot's sole is level
+    // Share of the DCM error by which the ZMP under the sole moves, and how far.
+    std::int16_t zmp_tracking_forward = 0;
+    std::int16_t zmp_tracking_lateral = 0;
+    std::int16_t max_zmp_shift_forward = 0;
+    std::int16_t max_zmp_shift_lateral = 0;
+    // Forward and backward distance of the DCM from the planned ZMP beyond which a robot that stands takes
+    // steps; 0: it takes none.
+    std::int16_t max_standing_dcm = 0;
 
     friend bool operator==(const Reactions&, const Reactions&) = default;
   } reaction;  // 0x2132
@@ -60,12 +75,15 @@ struct WalkParameters {
   friend bool operator==(const WalkParameters&, const WalkParameters&) = default;
 };
 
+// A length parameter, which is in 0.1 mm.
+[[nodiscard]] fixed::Length tenths_of_mm(std::int16_t value);
+
 // Returns whether everything is set that a walk cannot do without, and the limits of the landing position are
 // in order.
 [[nodiscard]] bool is_gait(const WalkParameters& parameters);
 
 // The parameters as quantities, computed once at the start of a walk.
-struct Gait {
+struct Gait {  // Large: one quantity for each parameter
   Gait() : Gait(WalkParameters()) {}
   explicit Gait(const WalkParameters& parameters);
 
@@ -79,6 +97,8 @@ struct Gait {
   fixed::Length max_forward;
   fixed::Length max_lateral;
   fixed::Length min_lateral;
+  fixed::Ratio lengthening;
+  fixed::Length forward_offset;
   fixed::Length com_height;
   fixed::Length zmp_forward;
   fixed::Length zmp_inward;
@@ -93,6 +113,13 @@ struct Gait {
   fixed::Ratio smoothing;
   fixed::Force touchdown_load;
   fixed::Ratio heading_hold;
+  std::int32_t plan_age_ticks;
+  fixed::Ratio level_swing;
+  fixed::Ratio level_fade;  // in a cycle after the landing: of it all within five
+  fixed::Ratio zmp_tracking_forward;
+  fixed::Ratio zmp_tracking_lateral;
+  fixed::Length max_zmp_shift_forward;
+  fixed::Length max_zmp_shift_lateral;
 };
 
 // The velocity of the walk, which follows the command within the gait's accelerations.

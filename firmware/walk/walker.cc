@@ -25,8 +25,10 @@ using namespace fixed::literals;
 namespace {
 
 constexpr Ratio kTurnsPerRad = literal<Ratio>(1.0L / kRadPerTurn);
-// The ramps between standing and bent knees: 0.5 s, by hand, 2026-11-22.
+// The ramp from bent knees to standing: 0.5 s, by hand, 2026-11-22.
 constexpr std::int32_t kRampTicks = 50;
+// In which the standing pose fades into the plan at the beginning: 0.25 s, by hand, 2026-11-28.
+constexpr std::int32_t kBlendTicks = 25;
 // The time by which servos are behind their targets: 0.2 s, by hand, 2026-11-22. The walk ends when the
 // servos have arrived, not when their targets have.
 constexpr std::int32_t kArrivalTicks = 20;
@@ -36,19 +38,29 @@ constexpr std::int32_t kMaxShiftTicks = 60;
 // How long the ZMP stays midway between the feet at the end, in time constants of the pendulum: the CoM's
 // remaining offset is then e^-3 of the first one, a twentieth.
 constexpr std::int64_t kRestTimeConstants = 3;
-// Clamp of the predicted lean: beyond it no step restores balance. By hand, 2026-11-22, above the lean at
-// which a fall is detected.
-constexpr Angle kMaxLean = 30.0_deg;
+// Clamp of the DCM error: beyond it no step restores balance. By hand, 2026-11-28: half of the longest step.
+constexpr Length kMaxDcmError = 0.08_m;
+// Share of a step's error in the mean of its cycle, and what of an error counts: by hand, 2026-11-28, an
+// average over ten steps, in which a push leaves no more than 2 mm.
+constexpr Ratio kMeanShare = 0.1_ratio;
+constexpr Length kMaxInMean = 0.02_m;
+// Share of a cycle's lean in its mean: 1 s.
+constexpr Ratio kLeanMeanShare = 0.01_ratio;
+// The part of the swing in which the sole comes to be held level, and the cycles in which it ceases to be
+// after the landing: by hand, 2026-11-28, after a prototype that levelled from the middle of the swing on.
+constexpr Ratio kLevelFrom = 0.4_ratio;
+constexpr std::int32_t kLevelSteepness = 5;  // within a fifth of the swing
 // The share of the swing before which a load on the swing foot is a stumble, not a touchdown. By hand,
 // 2026-11-22: the foot is then on its way down, past the greatest height at 0.5.
 constexpr Ratio kMinTouchdownPhase = 0.6_ratio;
 // Clamp of the heading error, by hand, 2026-11-22: times heading_hold it bounds the extra turn of a step.
 constexpr Angle kMaxHeadingError = 20.0_deg;
-// Share of a cycle's measurement in the DCM bias: 10 ms / 1.5 s, an average over seven steps of the default
-// robot. By hand, 2026-11-22: without the bias the robot followed the slope of the floor at 5 to 10 cm/s.
-constexpr Ratio kDcmBiasShare = 0.0066667_ratio;
 // Feet that are apart by less in the forward direction are side by side. By hand, 2026-11-22.
 constexpr Length kSideBySide = 0.005_m;
+// After so many steps on the spot each further one allows another kSideBySide, up to so many of them. By
+// hand, 2026-11-28: an undisturbed robot stops within two steps.
+constexpr std::int32_t kPatientSteps = 4;
+constexpr std::int32_t kMostApart = 6;
 
 Point scaled(Point p, Gain factor) { return {product<Length>(p.x, factor), product<Length>(p.y, factor)}; }
 
@@ -79,7 +91,7 @@ Walker::Walker(const robot::RobotModel& model)
   }
 }
 
-void Walker::start(const WalkParameters& parameters, std::span<const Angle> targets) {
+void Walker::start(const WalkParameters& parameters, std::span<const Angle> targets, Side support) {
   KOBOSHI_ASSERT(is_possible() && targets.size() == model_.joint_count);
   gait_ = Gait(parameters);
   // Legs without hip yaw cannot turn the robot back to its heading.
@@ -91,18 +103,36 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
   std::ranges::copy(targets, standing_targets_.begin());
   targets_ = standing_targets_;
   stopping_ = false;
+  swing_phase_ = Ratio();
+  last_steps_ = 0;
   speed_ = Speed();
   stride_ = Stride();
-  dcm_bias_ = dcm_error_ = Point();
+  dcm_error_ = Point();
+  dcm_means_ = {};
+  lean_ = lean_mean_ = {};
+  levels_ = {};
   heading_error_ = Angle();
-  support_ = Side::kLeft;
+  support_ = support;
   stance_ = Stance();
-  stance_.soles[Side::kRight].p.y = -gait_.step_width;
+  stance_.soles[swing_side()].p.y = support == Side::kLeft ? -gait_.step_width : gait_.step_width;
   com_ = PendulumState::at_rest(middle());
+  history_.fill({.dcm = com_.dcm, .support = support_, .tick = 0});
   body_.begin_in_parts();
   body_.set_upper_body(gait_.follows_upper_body ? targets : std::span<const Angle>());
-  if (body_.is_complete()) bend_knees();
+  blend_ticks_left_ = 0;
   enter(Phase::kPreparing);
+  if (!body_.is_complete()) return;
+  stand_on_both(middle());
+  begin_weight_shift();
+}
+
+// The plan begins at once: what the standing pose differs from it fades away meanwhile.
+void Walker::begin_weight_shift() {
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint)
+    standing_offsets_[joint] = standing_targets_[joint] - targets_[joint];
+  targets_ = standing_targets_;
+  blend_ticks_left_ = kBlendTicks;
+  enter(Phase::kWeightShift);
 }
 
 void Walker::enter(Phase phase) {
@@ -112,6 +142,7 @@ void Walker::enter(Phase phase) {
 
 void Walker::advance(const Velocity& command, const Observation& seen) {
   ++tick_;
+  error_percent_.reset();
   observe(seen);
   if (gait_.follows_upper_body && running())
     body_.set_upper_body(seen.angles.empty() ? std::span<const Angle>(targets_) : seen.angles);
@@ -123,7 +154,8 @@ void Walker::advance(const Velocity& command, const Observation& seen) {
     case Phase::kWeightShift:
       return run_weight_shift();
     case Phase::kStepping:
-      return run_stepping(stopping_ ? Velocity() : command, seen);
+      run_stepping(stopping_ ? Velocity() : command, seen);
+      return judge_error();
     case Phase::kClosingStep:
       return run_closing_step();
     case Phase::kSettling:
@@ -131,36 +163,24 @@ void Walker::advance(const Velocity& command, const Observation& seen) {
   }
 }
 
-void Walker::bend_knees() {
+void Walker::run_preparing() {
   stand_on_both(middle());
-  ramp_ = targets_;
+  if (body_.is_complete()) return begin_weight_shift();
   targets_ = standing_targets_;
 }
 
-void Walker::run_preparing() {
-  if (!body_.is_complete()) {
-    bend_knees();
-    tick_ = 0;
-    return;
-  }
-  const Ratio fraction = fixed::elapsed_fraction(tick_, kRampTicks);
-  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
-    targets_[joint] = fixed::interpolate(standing_targets_[joint], ramp_[joint], fraction);
-  }
-  if (tick_ >= kRampTicks) enter(Phase::kWeightShift);
-}
-
-// Double support with the ZMP under the right foot, which swings first. The DCM moves away from that ZMP, to
-// the left, until it is at the offset from the left foot with which a step begins (Footsteps::offset). The
-// ZMP of the last cycle is placed so that the DCM arrives exactly there, because the first step multiplies
-// any overshoot by its growth. After the time-out the first step begins from wherever the DCM is.
+// Double support with the ZMP under the foot that swings first. The DCM moves away from that ZMP, towards the
+// other foot, until it is at the offset from that foot with which a step begins (Footsteps::offset). The ZMP
+// of the last cycle is placed so that the DCM arrives exactly there, because the first step multiplies any
+// overshoot by its growth. After the time-out the first step begins from wherever the DCM is.
 void Walker::run_weight_shift() {
   const Point foot = zmp_under(swing_side());
   const Length step_begins_y = zmp_under(support_).y + footsteps_.offset(support_, stride_).y;
   const PendulumState before = com_;
   Point zmp = foot;
   pendulum_.advance(com_, zmp);
-  const bool arrived = com_.dcm.y >= step_begins_y;  // the left foot supports
+  const bool left = support_ == Side::kLeft;
+  const bool arrived = left ? com_.dcm.y >= step_begins_y : com_.dcm.y <= step_begins_y;
   if (arrived) {
     const Ratio share = std::clamp(
         fixed::quotient<Ratio>(step_begins_y - before.dcm.y, com_.dcm.y - before.dcm.y), Ratio(), kOne);
@@ -169,6 +189,7 @@ void Walker::run_weight_shift() {
     pendulum_.advance(com_, zmp);
   }
   stand_on_both(zmp);
+  remember();
   if (!arrived && tick_ < kMaxShiftTicks) return;
   last_zmp_ = foot;
   liftoff_ = landing_ = stance_.soles[swing_side()];
@@ -186,12 +207,14 @@ void Walker::run_stepping(const Velocity& command, const Observation& seen) {
   stance_.load_shares[support_] = shifted;
   stance_.load_shares[swing_side()] = kOne - shifted;
   if (!double_support) {
+    swing_phase_ = fixed::elapsed_fraction(tick_ - gait_.double_ticks, gait_.step_ticks - gait_.double_ticks);
     plan_landing();
     move_swing_foot();
   }
   stance_.pitch = speed_.lean(gait_);
   stance_.yaw = stance_.soles[swing_side()].yaw / 2;
   pose();
+  remember();
   if (tick_ >= gait_.step_ticks || has_touched_down(seen)) end_step();
 }
 
@@ -214,6 +237,7 @@ void Walker::run_closing_step() {
   const Point zmp = last_zmp_ == middle_zmp ? middle_zmp : zmp_under(support_);
   pendulum_.advance(com_, zmp);
   stand_on_both(zmp);
+  remember();
   if (last_zmp_ != middle_zmp || tick_ < rest_ticks(pendulum_.time_constant_s())) return;
   ramp_ = targets_;
   enter(Phase::kSettling);
@@ -227,34 +251,59 @@ void Walker::run_settling() {
   if (tick_ >= kRampTicks + kArrivalTicks) enter(Phase::kIdle);
 }
 
-// The DCM is x + x' / omega. A body that leans by `a` more than planned and turns at the rate w has a CoM
-// that is off by z a and moves by z w, so the DCM error is
+// The measurement is older than the plan of this cycle by what sensors, estimation and servos take, and is
+// compared with the plan of its own moment, relative to the foot that bore the robot then. So the estimate
+// goes over to a new support foot when the plan of its moment does, by measured kinematics: relative to the
+// planned foothold, a landing 7 mm off was an apparent error of 20 to 26 mm for 70 ms.
 //
-//   z (a + w T_c),  T_c = 1 / omega = sqrt(z / g)
+//   mean(side, tick) += (measured - planned - mean) / 10
+//   error = (1 - smoothing) (measured - planned - mean) + smoothing * last error
 //
-// The lean a + w T_c is clamped. A sloping floor and sagging servos cause a lasting error, the bias. It is
-// subtracted, because a robot that stepped towards it would never stop walking that way. The remainder is
-// smoothed:
-//
-//   bias  += (measured - bias) / 150
-//   error  = (1 - smoothing) (measured - bias) + smoothing * last error
+// A sloping floor, sagging servos and errors of the model cause a lasting error, the mean. It is subtracted,
+// because a robot that stepped towards it would never stop walking that way.
 void Walker::observe(const Observation& seen) {
-  const auto dcm_offset = [&](Angle angle, AngularRate rate) {
-    // The rate's LSB is 2^-24 turn/s, the time's 2^-30 s and the angle's 2^-32 turn: the shift is 24 + 30
-    // - 32.
-    const Angle lean_within_time_constant = Angle::from_raw(fixed::saturate<std::int32_t>(
-        fixed::shift_rounded(std::int64_t{rate.raw()} * pendulum_.time_constant_s().raw(), 22)));
-    const std::int64_t lean_raw = std::int64_t{angle.raw()} + lean_within_time_constant.raw();
-    const std::int64_t max_raw = kMaxLean.raw();
-    const Angle lean = Angle::from_raw(static_cast<std::int32_t>(std::clamp(lean_raw, -max_raw, max_raw)));
-    return product<Length>(gait_.com_height, fixed::in_rad(lean));
-  };
-  // A roll to the right moves the CoM towards negative y; no roll is planned.
-  const Point measured{dcm_offset(seen.pitch - stance_.pitch, seen.rates.y),
-                       -dcm_offset(seen.roll, seen.rates.x)};
-  dcm_bias_ = interpolated(dcm_bias_, measured, kDcmBiasShare);
-  dcm_error_ = interpolated(measured - dcm_bias_, dcm_error_, gait_.smoothing);
+  lean_ = {.roll = seen.roll, .pitch = seen.pitch - stance_.pitch};
+  lean_mean_ = {.roll = fixed::interpolate(lean_mean_.roll, lean_.roll, kLeanMeanShare),
+                .pitch = fixed::interpolate(lean_mean_.pitch, lean_.pitch, kLeanMeanShare)};
+  if (seen.dcm && reference() == seen.dcm->sole) compare(*seen.dcm);
   heading_error_ += fixed::rotation(seen.rates.z, std::int32_t{hal::kControlPeriod_us});
+}
+
+std::optional<MeasuredDcm> Walker::expected_dcm() const {
+  if (!running() || gait_.plan_age_ticks == 0) return std::nullopt;
+  const Planned& then = compared_plan();
+  return MeasuredDcm{.p = then.dcm, .sole = then.support};
+}
+
+const Walker::Planned& Walker::compared_plan() const {
+  const auto age = static_cast<std::size_t>(gait_.plan_age_ticks - 1);
+  return history_[(newest_ + history_.size() - age) % history_.size()];
+}
+
+void Walker::compare(const MeasuredDcm& measured) {
+  const Planned& then = compared_plan();
+  const auto bounded = [](Point p, Length most) {
+    return Point{std::clamp(p.x, -most, most), std::clamp(p.y, -most, most)};
+  };
+  Point& mean = dcm_means_[then.tick][then.support];
+  const Point error = measured.p - then.dcm - mean;
+  if (then.tick != 0) {
+    const Point counted = bounded(error, kMaxInMean);
+    mean = interpolated(mean, mean + counted, kMeanShare);
+  }
+  dcm_error_ = interpolated(bounded(error, kMaxDcmError), dcm_error_, gait_.smoothing);
+}
+
+void Walker::remember() {
+  newest_ = (newest_ + 1) % history_.size();
+  history_[newest_] = {.dcm = com_.dcm,
+                       .support = support_,
+                       .tick = static_cast<std::uint8_t>(phase_ == Phase::kStepping ? tick_ : 0)};
+}
+
+Point Walker::captured() const {
+  return {product<Length>(fixed::dead_band(dcm_error_.x, gait_.dead_band), gait_.capture_forward),
+          product<Length>(fixed::dead_band(dcm_error_.y, gait_.dead_band), gait_.capture_lateral)};
 }
 
 // Chooses the landing position of the swing foot's sole, from which the next step begins with the DCM of a
@@ -273,14 +322,18 @@ void Walker::observe(const Observation& seen) {
 void Walker::plan_landing() {
   const Side swing = swing_side();
   stride_ = speed_.stride(gait_);
-  const Angle error = std::clamp(heading_error_, -kMaxHeadingError, kMaxHeadingError);
-  stride_.turn -= product<Angle>(error, gait_.heading_hold);
+  if (stride_.distance.x < Length())
+    stride_.distance.x += product<Length>(stride_.distance.x, gait_.lengthening);
+  stride_.distance.y += product<Length>(stride_.distance.y, gait_.lengthening);
+  // The last steps, after which the feet stand side by side, neither turn nor go ahead.
+  if (!stopping_ || !speed_.is_zero()) {
+    const Angle error = std::clamp(heading_error_, -kMaxHeadingError, kMaxHeadingError);
+    stride_.turn -= product<Angle>(error, gait_.heading_hold);
+    stride_.distance.x += gait_.forward_offset;
+  }
   const Foothold nominal = footsteps_.step(swing, stride_);
   const Gain growth = pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks - tick_));
-  const Point captured{
-      product<Length>(fixed::dead_band(dcm_error_.x, gait_.dead_band), gait_.capture_forward),
-      product<Length>(fixed::dead_band(dcm_error_.y, gait_.dead_band), gait_.capture_lateral)};
-  const Point end = scaled(com_.dcm + captured - stance_.zmp, growth);
+  const Point end = scaled(com_.dcm + captured() - stance_.zmp, growth);
   const Point zmp = stance_.zmp + scaled(end, footsteps_.widening()) -
                     turned(footsteps_.offset_at_once(swing, stride_), nominal.yaw / 2);
   const bool left = swing == Side::kLeft;
@@ -291,6 +344,45 @@ void Walker::plan_landing() {
               .yaw = nominal.yaw};
 }
 
+// An error e grows to G(t) e until the swing foot lands in the time t. Moving that foothold by d takes d
+// away, what is left grows by the G of a whole step until the next one, and so on. With reaches d and d'
+// beyond the planned steps, in turn, the steps catch every error up to
+//
+//   (d + d' / G) / (1 - 1 / G^2) / G(t)
+//
+// Forward both reaches are the longest step less the stride. To one side, the foot that swings towards the
+// error reaches the widest step, and the other one the narrowest. The ZMP within the sole catches more: a
+// quarter of the CoM's height, which is half of the length of the default robot's sole.
+void Walker::judge_error() {
+  if (phase_ != Phase::kStepping || !reference()) return;
+  // What the sole holds needs no step, and no divisions.
+  if (fixed::abs(dcm_error_.x) <= gait_.dead_band && fixed::abs(dcm_error_.y) <= gait_.dead_band) {
+    error_percent_ = 0;
+    return;
+  }
+  const bool left = swing_side() == Side::kLeft;
+  const auto left_ticks = static_cast<std::size_t>(std::max<std::int32_t>(gait_.step_ticks - tick_, 0));
+  const Gain growth = pendulum_.growth(left_ticks);
+  const Gain step_growth = pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks));
+  const auto share = [&](Length error, Length reach, Length next_reach) {
+    const Length both = reach + fixed::quotient<Length>(next_reach, step_growth);
+    const Gain series = fixed::product<Gain>(step_growth, step_growth);
+    const Length sole = gait_.com_height / 4;
+    const Length caught = fixed::quotient<Length>(product<Length>(both, series), series - 1.0_gain) + sole;
+    const Length at_landing = product<Length>(fixed::abs(error), growth);
+    return fixed::quotient<Gain>(at_landing, std::max(caught, sole));
+  };
+  const Length forward =
+      gait_.max_forward - (dcm_error_.x > Length() ? stride_.distance.x : -stride_.distance.x);
+  const Length wider = gait_.max_lateral - gait_.step_width - fixed::abs(stride_.distance.y);
+  const Length narrower = gait_.step_width - gait_.min_lateral;
+  const bool towards_swing = left == (dcm_error_.y > Length());
+  const Gain x = share(dcm_error_.x, forward, forward);
+  const Gain y = towards_swing ? share(dcm_error_.y, wider, narrower) : share(dcm_error_.y, narrower, wider);
+  const std::int64_t percent_raw = std::int64_t{fixed::hypotenuse(x, y).raw()} * 100;
+  error_percent_ = fixed::saturate<std::uint16_t>(fixed::shift_rounded(percent_raw, Gain::kFractionBits));
+}
+
 // Moves the sole of the swing foot from liftoff to landing. With the phase s from 0 to 1 and the swing
 // profile c
 //
@@ -298,8 +390,7 @@ void Walker::plan_landing() {
 //
 // c = 1 is a cycloid, which leaves and meets the ground without speed; c = 0 is constant speed.
 void Walker::move_swing_foot() {
-  const Ratio phase =
-      fixed::elapsed_fraction(tick_ - gait_.double_ticks, gait_.step_ticks - gait_.double_ticks);
+  const Ratio phase = swing_phase_;
   const auto [sine, cosine] = fixed::sin_cos(Angle::from_wide_raw(std::int64_t{phase.raw()} << 2));
   const Ratio progress = phase - product<Ratio>(gait_.swing_profile, product<Ratio>(sine, kTurnsPerRad));
   const Side swing = swing_side();
@@ -311,27 +402,45 @@ void Walker::move_swing_foot() {
 // Whether the swing foot bears its touchdown load late enough in its swing; never with a touchdown load of 0.
 bool Walker::has_touched_down(const Observation& seen) const {
   if (gait_.touchdown_load == fixed::Force()) return false;
-  const Ratio phase =
-      fixed::elapsed_fraction(tick_ - gait_.double_ticks, gait_.step_ticks - gait_.double_ticks);
-  return phase > kMinTouchdownPhase && seen.loads[swing_side()] > gait_.touchdown_load;
+  return swing_phase_ > kMinTouchdownPhase && seen.loads[swing_side()] > gait_.touchdown_load;
 }
 
 // Makes the swing foot, where it is now, the support foot: all positions are moved into the frame of its
 // sole. The next step begins there, or, when the robot is to stop and the feet are side by side, the closing
 // step. A foot that touched down early is on the ground although its planned height was not zero yet.
+//
+// The foot landed where the plan and the part of the error that it takes up together want it. So the plan
+// takes that part over, and the plans of the past with it: without this the next step would go back.
 void Walker::end_step() {
+  const Point taken_up = captured();
+  com_.dcm = com_.dcm + taken_up;
+  dcm_error_ = dcm_error_ - taken_up;
+  for (Planned& planned : history_) planned.dcm = planned.dcm + taken_up;
   const Foothold landed = stance_.soles[swing_side()];
   const Foothold left_behind{.p = seen_from(landed, Point()), .yaw = -landed.yaw};
   stance_.soles[support_] = left_behind;
   stance_.soles[swing_side()] = Foothold();
   stance_.heights = {};
+  swing_phase_ = Ratio();
   stance_.yaw -= landed.yaw;
   stance_.zmp = last_zmp_ = seen_from(landed, stance_.zmp);
   com_ = {seen_from(landed, com_.dcm), seen_from(landed, com_.ccm)};
   support_ = swing_side();
   liftoff_ = landing_ = left_behind;
-  const bool side_by_side = fixed::abs(left_behind.p.x) < kSideBySide;
-  enter(stopping_ && speed_.is_zero() && side_by_side ? Phase::kClosingStep : Phase::kStepping);
+  // A robot that is disturbed whenever it is about to stand makes do with feet that are less so.
+  const bool stops = stopping_ && speed_.is_zero();
+  last_steps_ = stops ? last_steps_ + 1 : 0;
+  const std::int32_t patience = std::clamp<std::int32_t>(last_steps_ - kPatientSteps + 1, 1, kMostApart);
+  const bool side_by_side = fixed::abs(left_behind.p.x) < kSideBySide * patience;
+  enter(stops && side_by_side ? Phase::kClosingStep : Phase::kStepping);
+}
+
+std::optional<fixed::Angle> Walker::phase() const {
+  if (phase_ != Phase::kStepping) return std::nullopt;
+  const Ratio done = fixed::elapsed_fraction(tick_, gait_.step_ticks);
+  static_assert(fixed::Angle::kFractionBits == Ratio::kFractionBits + 2);  // half a turn is one, twice
+  const auto of_step = fixed::Angle::from_wide_raw(std::int64_t{done.raw()} * 2);
+  return support_ == Side::kLeft ? of_step : of_step + fixed::kQuarterTurn + fixed::kQuarterTurn;
 }
 
 std::optional<PlannedZmp> Walker::planned_zmp() const {
@@ -355,8 +464,44 @@ void Walker::stand_on_both(Point zmp) {
 void Walker::pose() {
   const Point com = com_.position();
   stance_.centre_of_mass = {com.x, com.y, gait_.com_height};
+  level_soles();
+  // The ZMP under the robot moves towards the error, which pushes the centre of mass back; that of the plan
+  // stays.
+  const Point planned = stance_.zmp;
+  stance_.zmp = planned + zmp_shift();
   body_.solve(stance_, gait_.compliance, targets_);
+  stance_.zmp = planned;
   swing_arms();
+  blend();
+}
+
+void Walker::blend() {
+  if (blend_ticks_left_ == 0) return;
+  --blend_ticks_left_;
+  const Ratio share = fixed::elapsed_fraction(blend_ticks_left_, kBlendTicks);
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint)
+    targets_[joint] += product<Angle>(standing_offsets_[joint], share);
+}
+
+Point Walker::zmp_shift() const {
+  const auto along = [](Length error, Ratio share, Length most) {
+    return std::clamp(product<Length>(error, share), -most, most);
+  };
+  return {along(dcm_error_.x, gait_.zmp_tracking_forward, gait_.max_zmp_shift_forward),
+          along(dcm_error_.y, gait_.zmp_tracking_lateral, gait_.max_zmp_shift_lateral)};
+}
+
+// A sole that is parallel to a leaning trunk would land on its edge.
+void Walker::level_soles() {
+  for (Ratio& level : levels_) level = std::max(level - gait_.level_fade, Ratio());
+  if (swing_foot()) {
+    const Ratio share = std::clamp((swing_phase_ - kLevelFrom) * kLevelSteepness, Ratio(), kOne);
+    levels_[swing_side()] = product<Ratio>(gait_.level_swing, share);
+  }
+  const Tilt beyond{.roll = lean_.roll - lean_mean_.roll, .pitch = lean_.pitch - lean_mean_.pitch};
+  for (std::size_t side = 0; side < levels_.size(); ++side)
+    stance_.tilts[side] = {.roll = -product<Angle>(beyond.roll, levels_[side]),
+                           .pitch = -product<Angle>(beyond.pitch, levels_[side])};
 }
 
 void Walker::swing_arms() {

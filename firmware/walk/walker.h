@@ -13,13 +13,21 @@
 
 namespace koboshi::walk {
 
+// The measured divergent component of motion (DCM), in the frame of a foot's sole.
+struct MeasuredDcm {
+  Point p;
+  hal::Side sole = hal::Side::kLeft;
+};
+
 // The measured motion of the trunk and the loads of the feet in one cycle.
 struct Observation {
   fixed::Angle roll;                        // positive to the right
   fixed::Angle pitch;                       // positive forward
   robot::Vector<fixed::AngularRate> rates;  // in the trunk's axes, free of bias
   hal::BySide<fixed::Force> loads{};        // of the feet
-  std::span<const fixed::Angle> angles{};   // measured, of all joints; empty: as the targets
+  // If it is known: in the frame of reference()'s sole, or it is not used.
+  std::optional<MeasuredDcm> dcm{};
+  std::span<const fixed::Angle> angles{};  // measured, of all joints; empty: as the targets
 };
 
 // The ZMP of the plan, in the frame of a foot's sole.
@@ -39,11 +47,12 @@ struct PlannedZmp {
 //
 // clang-format off
 //   phase         lasts                 what happens
-//   Preparing     0.5 s, and 50 ms for  a ramp from the standing targets to bent knees, CoM between the feet
-//                 legs without a closed
-//                 form
-//   WeightShift   at most 0.6 s         double support with the ZMP under the right foot, until the DCM is
-//                                       where the first step begins, in which the left foot supports
+//   Preparing     50 ms for legs        the first inverse kinematics; the robot stands
+//                 without a closed
+//                 form, else nothing
+//   WeightShift   at most 0.6 s         double support with the ZMP under the foot that swings first, until
+//                                       the DCM is where the first step begins; the standing pose fades
+//                                       into bent knees, for 0.25 s from here on
 //   Stepping      until a stop at zero  double support, then swing, in turn; it ends when the feet stand
 //                 speed                 side by side
 //   ClosingStep   at most 0.6 s, then   double support: the ZMP stays under the support foot until the DCM
@@ -54,7 +63,7 @@ struct PlannedZmp {
 //
 // All positions are in the frame of the support foot's sole: x forward, y to the left. When a foot lands,
 // end_step() moves everything into its frame; no position in the world is kept.
-class Walker {
+class Walker {  // Large: the plan of a step is one state, which the phases advance in turn
  public:
   // `model` must outlive the walker; a walk needs one with legs.
   explicit Walker(const robot::RobotModel& model);
@@ -63,14 +72,19 @@ class Walker {
   [[nodiscard]] bool is_possible() const { return body_.has_legs(); }
   // Begins a walk from standing at `targets`, one angle a joint, to which it returns in the end. `parameters`
   // must be a gait (walk::is_gait); they are copied and stay in force for the whole walk.
-  void start(const WalkParameters& parameters, std::span<const fixed::Angle> targets);
+  // `support`: the foot that bears the robot in the first step.
+  void start(const WalkParameters& parameters, std::span<const fixed::Angle> targets,
+             hal::Side support = hal::Side::kLeft);
   // Brings the robot to a stand: it slows down, puts its feet side by side and ends the walk.
   void stop() { stopping_ = true; }
   bool stopping() const { return stopping_; }
   // Takes the stop back. Without effect once the closing step has begun.
   void resume() { stopping_ = false; }
   // Ends the walk at once; the targets stay as they are.
-  void abort() { phase_ = Phase::kIdle; }
+  void abort() {
+    phase_ = Phase::kIdle;
+    error_percent_.reset();
+  }
   // Computes the targets of the next cycle.
   void advance(const Velocity& command, const Observation& seen);
 
@@ -85,10 +99,34 @@ class Walker {
     const bool swings = phase_ == Phase::kStepping && tick_ > gait_.double_ticks;
     return swings ? std::optional(swing_side()) : std::nullopt;
   }
+  // The foot that bears the robot by the plan; none while both do for longer than between two steps.
+  [[nodiscard]] std::optional<hal::Side> support() const {
+    return phase_ == Phase::kStepping ? std::optional(support_) : std::nullopt;
+  }
+  // The DCM that was planned for the moment of the next measurement, and the foot in whose frame it is: for a
+  // while after a landing it is still the other one. None outside of a walk and of a comparison.
+  [[nodiscard]] std::optional<MeasuredDcm> expected_dcm() const;
+  [[nodiscard]] std::optional<hal::Side> reference() const {
+    const auto expected = expected_dcm();
+    return expected ? std::optional(expected->sole) : std::nullopt;
+  }
+  // The measured DCM less the planned one, in the frame of the foot that bears the robot; none unless they
+  // are compared.
+  [[nodiscard]] std::optional<Point> dcm_error() const {
+    return reference() ? std::optional(dcm_error_) : std::nullopt;
+  }
+  // The DCM error in percent of the greatest one that the next steps catch; none unless the robot steps and
+  // the error is measured. 0 within the dead band. Saturates. Derivation in walker.cc.
+  [[nodiscard]] std::optional<std::uint16_t> error_percent() const { return error_percent_; }
+  // The phase of the walk: half a turn for each step, that of the left support foot first. None while the
+  // walk does not step.
+  [[nodiscard]] std::optional<fixed::Angle> phase() const;
   // The planned forward lean of the trunk.
   [[nodiscard]] fixed::Angle pitch() const { return stance_.pitch; }
 
  private:
+  static constexpr std::size_t kMaxPlanAge = 20;  // cycles
+
   using Angles = std::array<fixed::Angle, robot::kMaxJoints>;
 
   enum class Phase : std::uint8_t {
@@ -99,6 +137,12 @@ class Walker {
     kClosingStep,
     kSettling,
   };
+  // The plan of one cycle.
+  struct Planned {
+    Point dcm;
+    hal::Side support = hal::Side::kLeft;
+    std::uint8_t tick = 0;  // of the step; 0 outside of a step
+  };
   // The pitch joint of a shoulder: its arm swings with the foot of the other side.
   struct Shoulder {
     robot::JointIndex joint;
@@ -107,8 +151,7 @@ class Walker {
 
   void enter(Phase phase);
   void run_preparing();
-  // Computes the end of the ramp of kPreparing, or a part of it.
-  void bend_knees();
+  void begin_weight_shift();
   void run_weight_shift();
   void run_stepping(const Velocity& command, const Observation& seen);
   void run_closing_step();
@@ -116,6 +159,16 @@ class Walker {
 
   // Updates the DCM error and the heading error.
   void observe(const Observation& seen);
+  void compare(const MeasuredDcm& measured);
+  [[nodiscard]] const Planned& compared_plan() const;
+  // Keeps the plan of this cycle, for the comparison with a later measurement.
+  void remember();
+  // The part of the DCM error that the next foothold takes up.
+  [[nodiscard]] Point captured() const;
+  // Shift of the ZMP against the DCM error, as far as the sole reaches.
+  [[nodiscard]] Point zmp_shift() const;
+  void level_soles();
+  void judge_error();
   void plan_landing();
   void move_swing_foot();
   [[nodiscard]] bool has_touched_down(const Observation& seen) const;
@@ -125,6 +178,7 @@ class Walker {
   // Writes the targets of legs and arms for the stance.
   void pose();
   void swing_arms();
+  void blend();
 
   [[nodiscard]] Point zmp_under(hal::Side side) const;
   [[nodiscard]] Point middle() const;
@@ -145,15 +199,27 @@ class Walker {
   Stance stance_;
   PendulumState com_;
   Point last_zmp_;  // the ZMP at the beginning of the step, or midway once the closing step has put it there
-  Foothold liftoff_;  // of the swing foot's sole, at the beginning of the step
-  Foothold landing_;  // planned, of the same sole
-  Point dcm_bias_;    // slow average of the measured DCM error: slopes and sagging servos, not pushes
-  Point dcm_error_;   // measured DCM less planned DCM, without the bias; smoothed
-  Stride stride_;     // commanded, with the correction of the heading
+  Foothold liftoff_;                                // of the swing foot's sole, at the beginning of the step
+  Foothold landing_;                                // planned, of the same sole
+  std::array<Planned, kMaxPlanAge + 1> history_{};  // the plans of the last cycles, as a ring
+  std::size_t newest_ = 0;
+  // The mean of the error in each cycle of a step: slopes, sagging servos, errors of the model; not pushes.
+  std::array<hal::BySide<Point>, Pendulum::kMaxTicks + 1> dcm_means_{};
+  std::optional<std::uint16_t> error_percent_;  // of this cycle, since it is asked for more than once
+  Point dcm_error_;  // measured DCM less the DCM planned for its moment, without the mean; smoothed
+  // The trunk's lean, measured less planned, and its slow mean: roll to the right and pitch forward.
+  Tilt lean_;
+  Tilt lean_mean_;
+  fixed::Ratio swing_phase_;            // 0 to 1, of the present or the last swing
+  hal::BySide<fixed::Ratio> levels_{};  // how far each sole is held level against the lean
+  std::int32_t last_steps_ = 0;         // on the spot, of a robot that is to stop
+  Stride stride_;                       // commanded, with the lengthening and the correction of the heading
   Speed speed_;
   fixed::Angle heading_error_;  // turn by the gyro less commanded turn; positive to the left
   Angles standing_targets_{};
-  Angles ramp_{};  // the end of the ramp of kPreparing, the beginning of that of kSettling
+  Angles standing_offsets_{};  // from the first pose of the plan to that at the start
+  std::int32_t blend_ticks_left_ = 0;
+  Angles ramp_{};  // the beginning of the ramp of kSettling
   Angles targets_{};
 };
 

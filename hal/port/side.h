@@ -9,6 +9,8 @@ namespace koboshi::hal {
 // The side of a foot, leg or arm, from the robot's point of view.
 enum class Side : std::uint8_t { kLeft = 0, kRight = 1 };
 
+[[nodiscard]] constexpr Side other(Side side) { return side == Side::kLeft ? Side::kRight : Side::kLeft; }
+
 // One T per side, the left one first: an array with a Side as index.
 template <typename T>
 struct BySide : std::array<T, 2> {

@@ -124,9 +124,9 @@ void expect_true(const NodeKind& kind, const robot::RobotModel& robot = {}) {
 
 TEST(Controller, HasTheObjectsOfItsDataSheetAndNoOthers) {
   const robot::RobotModel model = simulation::load_named_model(default_robot()).model;
-  expect_true<app::ControllerValues,
-              canopen::NodeMemory<app::kFirstDriveRpdo + robot::kMaxJoints,
-                                  app::kTelemetryTpdos + robot::kMaxJoints, robot::kMaxJoints, 32>>(
+  expect_true<
+      app::ControllerValues,
+      canopen::NodeMemory<app::kRpdos, app::kTelemetryTpdos + robot::kMaxJoints, robot::kMaxJoints, 32>>(
       controller_kind(model), model);
 }
 
@@ -135,9 +135,9 @@ TEST(Controller, HasThePdosAndConsumersOfItsDrives) {
   const NodeKind kind = controller_kind(model);
   EXPECT_EQ(kind.find({0x1400 + 2, 1})->default_value, "$NODEID+0x400");  // motion inputs
   EXPECT_EQ(kind.find({0x1400 + 3, 1})->default_value, "0x00000190");
-  EXPECT_EQ(kind.find({0x1800 + 7, 1})->default_value, "0x40000210");  // behind the telemetry
-  EXPECT_EQ(kind.find({0x1A00 + 26, 0})->default_value, "2");
-  EXPECT_EQ(kind.find({0x1800 + 27, 1})->default_value, "0xC0000000");
+  EXPECT_EQ(kind.find({0x1800 + 10, 1})->default_value, "0x40000210");  // behind the telemetry
+  EXPECT_EQ(kind.find({0x1A00 + 29, 0})->default_value, "2");
+  EXPECT_EQ(kind.find({0x1800 + 30, 1})->default_value, "0xC0000000");
   EXPECT_EQ(kind.find({0x1016, 20})->default_value, "0x0023015E");
   EXPECT_EQ(kind.find({0x1016, 21})->default_value, "0x00000000");
 }

@@ -55,11 +55,14 @@ TEST_F(ControllerBattery, IsNotLowForOneDropUnderLoad) {
 TEST_F(ControllerBattery, LowRefusesAllCommandsButLimp) {
   supply(6'200);
   bench.run_ms(kTwoSeconds_ms);
-  for (const Command command : {Command::kWalk, Command::kPlay, Command::kEnable}) {
+  for (const Command command : {Command::kWalk, Command::kPlay}) {
     bench.command(command);
     EXPECT_EQ(bench.now().state, State::kLowBattery);
-    EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
+    EXPECT_EQ(bench.now().refusal, Reason::kSupplyLow);
   }
+  bench.command(Command::kEnable);
+  EXPECT_EQ(bench.now().state, State::kLowBattery);
+  EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
   supply(7'400);  // the voltage of an unloaded battery
   bench.run_ms(3'000);
   EXPECT_EQ(bench.now().state, State::kLowBattery);
@@ -84,6 +87,7 @@ TEST_F(ControllerBattery, LowEndsAWalkFirstAndNoCommandRevokesThat) {
   bench.run_ms(kTwoSeconds_ms);
   EXPECT_EQ(bench.now().state, State::kWalking);
   bench.command(Command::kWalk);
+  EXPECT_EQ(bench.now().refusal, Reason::kSupplyLow);
   EXPECT_TRUE(bench.run_until(State::kLowBattery, 5'000));
 }
 

@@ -109,12 +109,12 @@ TEST_F(ControllerMotion, KeepsTargetsWithinTheLimits) {
 }
 
 TEST_F(ControllerMotion, UnknownCommandsAreRefusedAndChangeNothing) {
-  for (int code = 10; code < 256; ++code) {
+  for (int code = 11; code < 256; ++code) {
     bench.command(static_cast<Command>(code));
     EXPECT_EQ(bench.now().refusal, Reason::kUnknownCommand);
     EXPECT_EQ(bench.now().state, State::kStanding);
   }
-  bench.board.can.deliver({.identifier = 0x601, .size = 8, .data = {0x2F, 0x00, 0x20, 0x01, 10}});
+  bench.board.can.deliver({.identifier = 0x601, .size = 8, .data = {0x2F, 0x00, 0x20, 0x01, 11}});
   bench.run_ms(1);
   const hal::CanFrame invalid_value{
       .identifier = 0x581, .size = 8, .data = {0x80, 0x00, 0x20, 0x01, 0x30, 0x00, 0x09, 0x06}};

@@ -200,6 +200,24 @@ TEST_F(ControllerNetwork, ListensAgainOnceItHasGivenWay) {
   }
 }
 
+// The network belongs to the other one: a controller that hears it while it listens sends nothing until its
+// next boot.
+TEST_F(ControllerNetwork, IsSilentWhereItHearsASecondMasterBeforeItBegins) {
+  bench.restart();
+  bench.run_ms(10);
+  bench.board.can.deliver({.identifier = kSync, .size = 0});
+  bench.run_ms(20);
+  EXPECT_EQ(bench.now().state, State::kFault);
+  EXPECT_EQ(bench.now().reason, Reason::kSecondMaster);
+  EXPECT_TRUE(orders().empty());
+  bench.sent.clear();
+  bench.run_ms(1'000);
+  EXPECT_TRUE(bench.sent.empty());
+  bench.command(Command::kReset);
+  ASSERT_TRUE(bench.run_until(State::kLimp));
+  EXPECT_GT(sent(kSync), 10);
+}
+
 // --- Object 0x1F80
 
 TEST_F(ControllerNetwork, StartupObjectDescribesASelfStartingMaster) {

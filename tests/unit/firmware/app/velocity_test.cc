@@ -44,7 +44,7 @@ std::uint32_t write(ControllerBench& bench, std::uint16_t index, std::uint8_t su
 TEST(VelocityLimits, ClampEachComponent) {
   const VelocityLimits limits{400, 300, 200, 1500};
   EXPECT_EQ(clamped({401, -201, 1501}, limits), (Velocity{400, -200, 1500}));
-  EXPECT_EQ(clamped({-301, 201, -1501}, limits), (Velocity{-300, 200, -1500}));
+  EXPECT_EQ(clamped({-331, 201, -1501}, limits), (Velocity{-300, 200, -1500}));
   EXPECT_EQ(clamped({-300, 200, -1500}, limits), (Velocity{-300, 200, -1500}));
 }
 
@@ -62,8 +62,8 @@ TEST(ControllerVelocity, OutOfRangeInAFrameIsRefusedAsAWhole) {
   ControllerBench bench;
   bench.run_ms(10);
   send(bench, {100, 20, -30});
-  for (const Velocity& wrong : {Velocity{301, 0, 0}, Velocity{-251, 0, 0}, Velocity{0, 101, 0},
-                                Velocity{0, -101, 0}, Velocity{0, 0, 1001}, Velocity{0, 0, -1001}}) {
+  for (const Velocity& wrong : {Velocity{331, 0, 0}, Velocity{-261, 0, 0}, Velocity{0, 131, 0},
+                                Velocity{0, -131, 0}, Velocity{0, 0, 1601}, Velocity{0, 0, -1601}}) {
     send(bench, {100, 20, -30});
     EXPECT_EQ(bench.now().refusal, Reason::kNone);
     send(bench, wrong);
@@ -77,13 +77,13 @@ TEST(ControllerVelocity, OutOfRangeInAFrameIsRefusedAsAWhole) {
 TEST(ControllerVelocity, OutOfRangeIsReportedWhateverServiceBroughtIt) {
   ControllerBench bench;
   bench.run_ms(10);
-  EXPECT_EQ(write(bench, kVelocityObject, 1, 301), 0x0609'0031u);
+  EXPECT_EQ(write(bench, kVelocityObject, 1, 331), 0x0609'0031u);
   EXPECT_EQ(bench.now().refusal, Reason::kVelocityOutOfRange);
-  EXPECT_EQ(write(bench, kVelocityObject, 1, 300), 0u);
+  EXPECT_EQ(write(bench, kVelocityObject, 1, 330), 0u);
   EXPECT_EQ(bench.now().refusal, Reason::kNone);
   bench.sent.clear();
-  send(bench, {0, 0, 1001});
-  send(bench, {0, 0, 1002});
+  send(bench, {0, 0, 1601});
+  send(bench, {0, 0, 1602});
   std::vector<std::uint8_t> reported;
   for (const auto& sent : bench.sent) {
     const hal::CanFrame& frame = sent.frame;
@@ -126,14 +126,14 @@ TEST(ControllerVelocity, DoesNotHideTheRefusalOfACommand) {
 TEST(ControllerVelocity, IsAlsoCheckedFromAnSdoClient) {
   ControllerBench bench;
   bench.run_ms(10);
-  EXPECT_EQ(write(bench, kVelocityObject, 1, 301), 0x0609'0031u);
-  EXPECT_EQ(write(bench, kVelocityObject, 1, -251), 0x0609'0032u);
-  EXPECT_EQ(write(bench, kVelocityObject, 2, 101), 0x0609'0031u);
-  EXPECT_EQ(write(bench, kVelocityObject, 3, -1001), 0x0609'0032u);
+  EXPECT_EQ(write(bench, kVelocityObject, 1, 331), 0x0609'0031u);
+  EXPECT_EQ(write(bench, kVelocityObject, 1, -261), 0x0609'0032u);
+  EXPECT_EQ(write(bench, kVelocityObject, 2, 131), 0x0609'0031u);
+  EXPECT_EQ(write(bench, kVelocityObject, 3, -1601), 0x0609'0032u);
   EXPECT_EQ(bench.values().velocity, Velocity{});
   EXPECT_EQ(write(bench, kVelocityObject, 2, -100), 0u);
   EXPECT_EQ(bench.values().velocity, (Velocity{0, -100, 0}));
-  send(bench, {301, 0, 0});  // a refused frame does not change the SDO value
+  send(bench, {331, 0, 0});  // a refused frame does not change the SDO value
   EXPECT_EQ(bench.values().velocity, (Velocity{0, -100, 0}));
 }
 

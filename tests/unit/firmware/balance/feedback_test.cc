@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -180,6 +181,30 @@ TEST_F(FeedbackTest, TurnsTheTrunkAboutTheLeanAtObliqueHips) {
     for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
       EXPECT_NEAR(std::abs(trunk_turn_rad(targets, side, 0)), std::abs(0.1 * roll), 1e-4);
       EXPECT_NEAR(std::abs(trunk_turn_rad(targets, side, 1)), std::abs(0.1 * pitch), 1e-4);
+    }
+  }
+}
+
+// In a walk, the leg that bears the robot alone; while both do, and in all other modes, both.
+TEST_F(FeedbackTest, CorrectsOnlyTheLegThatBearsTheRobotInAWalk) {
+  FeedbackParameters parameters;
+  parameters.walking = kTenthOfASecond;
+  parameters.standing = kTenthOfASecond;
+  parameters.motion = kTenth;
+  const Feedback feedback(model);
+  using enum FeedbackMode;
+  for (const FeedbackMode mode : {kWalking, kStanding, kMotion}) {
+    for (const auto support :
+         {std::optional<hal::Side>(), std::optional(hal::Side::kLeft), std::optional(hal::Side::kRight)}) {
+      std::vector<Angle> targets = pose;
+      feedback.correct(mode, parameters, rates(0.5, 0.5), support, targets);
+      for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
+        const bool bears = mode != kWalking || !support || *support == side;
+        for (const std::size_t place : {1u, 2u, 3u, 4u, 5u}) {
+          const std::size_t joint = model.leg(side)[place];
+          EXPECT_EQ(targets[joint] != pose[joint], bears) << joint;
+        }
+      }
     }
   }
 }

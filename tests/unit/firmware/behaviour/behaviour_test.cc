@@ -7,6 +7,8 @@
 
 #include <cmath>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "hal/fake/storage.h"
 #include "tests/support/controller_bench.h"
@@ -16,14 +18,17 @@
 namespace koboshi::behaviour {
 namespace {
 
-constexpr std::uint16_t kNod = 1;  // motion index in factory_storage
+// Motion indices in factory_storage and factory_storage_with_bend.
+constexpr std::uint16_t kNod = 1;
+constexpr std::uint16_t kBend = 2;
 
 class BehaviourStage : public testing::Test {
  protected:
-  explicit BehaviourStage(bool model_valid = true)
+  explicit BehaviourStage(bool model_valid = true,
+                          const std::vector<std::byte>& storage = test::factory_storage())
       : behaviour(model, model_valid, motions,
                   {.power = power, .velocity_limits = limits, .walk = gait, .recovery = recovery}) {
-    flash.load(0, test::factory_storage());
+    flash.load(0, storage);
     catalogue.emplace(flash.contents());
     items.emplace(flash, storage::kRobotLogSize_bytes);
     // Loads the model from its image, because motions refer to a model by its id.
@@ -205,12 +210,12 @@ TEST_F(BehaviourStage, RefusesATurnWithoutHipYaws) {
 
 TEST_F(BehaviourStage, EndsALowBatteryOnlyWhenLimp) {
   stand();
-  for (int i = 0; i < Behaviour::kLowReadings; ++i) {
+  for (int i = 0; i < SupplyGuard::kReadings; ++i) {
     drives.new_supply_mV = 6'000;
     step();
   }
   EXPECT_TRUE(step().low_battery);
-  EXPECT_EQ(request(Command::kPlay, kNod), Reason::kNotInThisState);
+  EXPECT_EQ(request(Command::kPlay, kNod), Reason::kSupplyLow);
   EXPECT_EQ(request(Command::kLimp), Reason::kNone);
   EXPECT_FALSE(step().low_battery);
 }
@@ -223,6 +228,101 @@ class WithoutAModel : public BehaviourStage {
 TEST_F(WithoutAModel, EndsInAFault) {
   step();
   EXPECT_EQ(behaviour.status().reason, Reason::kModelInvalid);
+}
+
+// A robot that stands at a limit of 20 mm for its DCM, which is given from the middle of the feet.
+class PushedRobot : public BehaviourStage {
+ protected:
+  PushedRobot() : BehaviourStage(true, test::factory_storage_with_bend()) {
+    gait.reaction.max_standing_dcm = 200;
+  }
+  void SetUp() override { stand(); }
+  State pushed(double dcm_x_m, double dcm_y_m, double moving_m) {
+    const auto length = [](double value_m) { return fixed::from_double<fixed::Length>(value_m); };
+    const double zmp_m = 1e-4 * gait.posture.zmp_forward;
+    const double half_width_m = 0.5e-4 * gait.step.width;
+    robot.com.valid = true;
+    robot.com.sole = hal::Side::kLeft;
+    robot.contacts[hal::Side::kLeft].touches = !hangs;
+    robot.com.dcm = {length(zmp_m + dcm_x_m), length(dcm_y_m - half_width_m)};
+    robot.com.position = {length(zmp_m + dcm_x_m - moving_m), length(dcm_y_m - half_width_m)};
+    step();
+    return behaviour.state();
+  }
+
+  bool hangs = false;
+};
+
+TEST_F(PushedRobot, TakesStepsUntilItStandsAgain) {
+  EXPECT_EQ(pushed(0.019, 0.0, 0.019), State::kStanding);
+  EXPECT_EQ(pushed(0.021, 0.0, 0.021), State::kWalking);
+  EXPECT_EQ(behaviour.status().reason, Reason::kPushed);
+  EXPECT_EQ(step().feedback, balance::FeedbackMode::kWalking);
+  robot.com.valid = false;
+  step(400);
+  EXPECT_EQ(behaviour.state(), State::kStanding);
+  EXPECT_EQ(behaviour.status().reason, Reason::kProgress);
+}
+
+TEST_F(PushedRobot, TakesThemBackwardsAsWell) {
+  EXPECT_EQ(pushed(-0.019, 0.0, -0.019), State::kStanding);
+  EXPECT_EQ(pushed(-0.021, 0.0, -0.021), State::kWalking);
+}
+
+TEST_F(PushedRobot, StandsOnASlopeOnWhichItsCentreOfMassIsOff) {
+  EXPECT_EQ(pushed(0.03, 0.0, 0.009), State::kStanding);
+  EXPECT_EQ(pushed(-0.03, 0.0, 0.03), State::kStanding) << "it returns by itself";
+  EXPECT_EQ(pushed(0.03, 0.0, 0.011), State::kWalking);
+}
+
+TEST_F(PushedRobot, StandsWhenItIsPushedToTheSide) {
+  EXPECT_EQ(pushed(0.021, 0.043, 0.021), State::kStanding);
+  EXPECT_EQ(pushed(0.021, -0.043, 0.021), State::kStanding);
+  EXPECT_EQ(pushed(0.021, 0.041, 0.021), State::kWalking);
+}
+
+// The foot on that side bears the robot already, and the other one is free.
+TEST_F(PushedRobot, StandsOnTheFootToWhichItIsPushed) {
+  for (const auto& [aside_m, side] : {std::pair{0.01, hal::Side::kLeft}, {-0.01, hal::Side::kRight}}) {
+    ASSERT_EQ(pushed(0.03, aside_m, 0.03), State::kWalking);
+    robot.com.valid = false;
+    while (!step().support) ASSERT_EQ(behaviour.state(), State::kWalking);
+    EXPECT_EQ(behaviour.decision().support, side);
+    step(400);
+    ASSERT_EQ(behaviour.state(), State::kStanding);
+  }
+}
+
+TEST_F(PushedRobot, TakesNoStepThatAWalkCouldNot) {
+  robot.gyro_known = false;
+  EXPECT_EQ(pushed(0.03, 0.0, 0.03), State::kStanding);
+  robot.gyro_known = true;
+  gait.reaction.max_standing_dcm = 0;
+  EXPECT_EQ(pushed(0.03, 0.0, 0.03), State::kStanding);
+  gait.reaction.max_standing_dcm = 200;
+  gait.step.time_ms = 0;
+  EXPECT_EQ(pushed(0.03, 0.0, 0.03), State::kStanding) << "without a gait";
+}
+
+TEST_F(PushedRobot, TakesNoStepFromAnotherPose) {
+  ASSERT_EQ(request(Command::kPlay, kBend), Reason::kNone);
+  while (behaviour.state() != State::kStanding) step();
+  EXPECT_EQ(pushed(0.03, 0.0, 0.03), State::kStanding);
+}
+
+TEST_F(PushedRobot, TakesNoStepInTheAir) {
+  hangs = true;
+  EXPECT_EQ(pushed(0.03, 0.0, 0.03), State::kStanding);
+  hangs = false;
+  EXPECT_EQ(pushed(0.03, 0.0, 0.03), State::kWalking);
+}
+
+TEST_F(PushedRobot, WalksOnWhenItIsCommandedTo) {
+  ASSERT_EQ(pushed(0.03, 0.0, 0.03), State::kWalking);
+  robot.com.valid = false;
+  EXPECT_EQ(request(Command::kWalk), Reason::kNone);
+  step(400);
+  EXPECT_EQ(behaviour.state(), State::kWalking);
 }
 
 }  // namespace

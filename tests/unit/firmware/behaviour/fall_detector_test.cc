@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "firmware/fixed/host/convert.h"
@@ -24,19 +26,21 @@ struct LeanDegrees {
 
 class FallDetectorTest : public testing::Test {
  protected:
-  FallDirection see(const LeanDegrees& lean) {
+  FallDirection see(const LeanDegrees& lean, std::optional<std::uint16_t> error_percent = std::nullopt) {
     return watch_.update(limits_,
                          {.roll_rate = from_double<fixed::AngularRate>(lean.roll_rate * kRadPerDegree),
                           .pitch_rate = from_double<fixed::AngularRate>(lean.pitch_rate * kRadPerDegree),
                           .roll = from_double<fixed::Angle>(lean.roll * kRadPerDegree),
-                          .pitch = from_double<fixed::Angle>(lean.pitch * kRadPerDegree)});
+                          .pitch = from_double<fixed::Angle>(lean.pitch * kRadPerDegree)},
+                         error_percent);
   }
   // Returns the detected fall of an upright robot that takes this lean at once and keeps it.
-  FallDirection after_standing(const LeanDegrees& lean, int cycles = 2) {
+  FallDirection after_standing(const LeanDegrees& lean, int cycles = 2,
+                               std::optional<std::uint16_t> error_percent = std::nullopt) {
     watch_ = {};
     EXPECT_EQ(see({}), FallDirection::kNone);
     FallDirection seen = FallDirection::kNone;
-    for (int i = 0; i < cycles && seen == FallDirection::kNone; ++i) seen = see(lean);
+    for (int i = 0; i < cycles && seen == FallDirection::kNone; ++i) seen = see(lean, error_percent);
     return seen;
   }
 
@@ -137,6 +141,30 @@ TEST_F(FallDetectorTest, IsOffWithoutALimit) {
   }
   limits_ = {};
   EXPECT_EQ(after_standing({.roll = 60, .pitch = 80}, 10), FallDirection::kNone);
+}
+
+// Twice the limits, because a step catches the lean, and the error that none catches.
+TEST_F(FallDetectorTest, LetsARobotThatStepsLeanFurther) {
+  limits_.walking_percent = 200;
+  limits_.uncatchable_percent = 150;
+  EXPECT_EQ(after_standing({.pitch = 50}, 10, 0), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.pitch = 54}, 2, 0), FallDirection::kFront);
+  EXPECT_EQ(after_standing({.roll = -54}, 10, 0), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.roll = -58}, 2, 0), FallDirection::kLeft);
+  // Without a measured error it is a robot that stands.
+  EXPECT_EQ(after_standing({.pitch = 27}), FallDirection::kFront);
+}
+
+TEST_F(FallDetectorTest, TakesAnErrorThatNoStepCatchesForAFall) {
+  limits_.walking_percent = 200;
+  limits_.uncatchable_percent = 150;
+  EXPECT_EQ(after_standing({.pitch = -12}, 10, 150), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.pitch = -12}, 2, 151), FallDirection::kBack);
+  EXPECT_EQ(after_standing({.pitch = -12}, 1, 151), FallDirection::kNone);    // two cycles in a row
+  EXPECT_EQ(after_standing({.pitch = -9}, 10, 1'000), FallDirection::kNone);  // less than the least lean
+  limits_.uncatchable_percent = 0;
+  EXPECT_EQ(after_standing({.pitch = -12}, 10, 60'000), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.pitch = 27}, 2, 0), FallDirection::kFront);
 }
 
 TEST_F(FallDetectorTest, AcceptsAnySensorValues) {

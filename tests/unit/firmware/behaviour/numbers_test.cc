@@ -21,9 +21,9 @@ void expect_numbers(std::initializer_list<std::pair<T, int>> pairs) {
 
 TEST(TelemetryNumbers, OfStates) {
   int number = 0;
-  for (const char* name :
-       {"boot", "limp", "enabling", "soft start", "standing", "motion", "fault", "emergency stop", "walking",
-        "low battery", "falling", "fallen", "righting", "rolling", "rising", "steadying"})
+  for (const char* name : {"boot", "limp", "enabling", "soft start", "standing", "motion", "fault",
+                           "emergency stop", "walking", "low battery", "falling", "fallen", "righting",
+                           "rolling", "rising", "steadying", "sitting down", "streaming"})
     EXPECT_EQ(kStates[number++].name, name);
   expect_numbers<State>({{State::kBoot, 0},
                          {State::kLimp, 1},
@@ -40,7 +40,9 @@ TEST(TelemetryNumbers, OfStates) {
                          {State::kRighting, 12},
                          {State::kRolling, 13},
                          {State::kRising, 14},
-                         {State::kSteadying, 15}});
+                         {State::kSteadying, 15},
+                         {State::kSittingDown, 16},
+                         {State::kStreaming, 17}});
 }
 
 TEST(TelemetryNumbers, OfReasons) {
@@ -58,6 +60,7 @@ TEST(TelemetryNumbers, OfReasons) {
                           {kHeldUpright, 10},
                           {kCaughtItself, 11},
                           {kOnSeat, 12},
+                          {kPushed, 13},
                           {kModelInvalid, 16},
                           {kDriveFault, 17},
                           {kImuSilent, 18},
@@ -91,7 +94,8 @@ TEST(TelemetryNumbers, OfCommandsAndDriveFaults) {
                            {Command::kReset, 6},
                            {Command::kWalk, 7},
                            {Command::kCalibrate, 8},
-                           {Command::kGetUp, 9}});
+                           {Command::kGetUp, 9},
+                           {Command::kStream, 10}});
   using drive::DriveFault;
   expect_numbers<DriveFault>({{DriveFault::kNone, 0},
                               {DriveFault::kSilent, 1},
@@ -115,9 +119,9 @@ TEST(StateSets, HaveTheseStates) {
       bits |= states.contains(static_cast<State>(number)) ? 1u << number : 0u;
     return bits;
   };
-  constexpr std::uint32_t kFeet = 1u << 4 | 1u << 5 | 1u << 8 | 1u << 9;
+  constexpr std::uint32_t kFeet = 1u << 4 | 1u << 5 | 1u << 8 | 1u << 9 | 1u << 16 | 1u << 17;
   EXPECT_EQ(members(kOnItsFeet), kFeet);
-  EXPECT_EQ(members(kBalancing), kFeet | 1u << 15);
+  EXPECT_EQ(members(kBalancing), (kFeet & ~(1u << 17)) | 1u << 15);
   EXPECT_EQ(members(kMayFall), kFeet | 1u << 3 | 1u << 15);
   EXPECT_EQ(members(kTorque), kFeet | 1u << 2 | 1u << 3 | 1u << 10 | 0xFu << 12);
   EXPECT_EQ(members(kResting), 1u << 0 | 1u << 1 | 1u << 11);
@@ -125,7 +129,7 @@ TEST(StateSets, HaveTheseStates) {
   EXPECT_EQ(members(kLatched), 1u << 6 | 1u << 7);
   EXPECT_EQ(members(kRecovering), 0x3Fu << 10);
   EXPECT_EQ(members(kGettingUp), 0xFu << 12);
-  EXPECT_EQ(members(~kOnItsFeet), 0xFFFFu & ~kFeet);
+  EXPECT_EQ(members(~kOnItsFeet), 0x3FFFFu & ~kFeet);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "firmware/canopen/lss_slave.h"
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -194,6 +195,45 @@ TEST_F(UnconfiguredLssSlave, IsSilentInAScanForAnother) {
   EXPECT_EQ(scan(1, 0, 1, 4), std::nullopt);   // there are only four parts
   EXPECT_EQ(scan(1, 32, 1, 1), std::nullopt);  // there are only 32 bits
   EXPECT_EQ(slave.state(), LssSlave::State::kWaiting);
+}
+
+// The rest of a sequence that began before a restart, or never began, is none.
+TEST_F(UnconfiguredLssSlave, BeginsEachSequenceAnew) {
+  const auto ask_rest_of_identify = [this](LssSlave& asked) {
+    for (const auto& bytes :
+         {std::array{0x47u, 0x01u, 0u, 0u, 0u}, std::array{0x48u, 0u, 0u, 1u, 0u},
+          std::array{0x49u, 0u, 0u, 1u, 0u}, std::array{0x4Au, 0x10u, 0x0Du, 0x36u, 0x0Fu},
+          std::array{0x4Bu, 0x10u, 0x0Du, 0x36u, 0x0Fu}})
+      static_cast<void>(asked.on_request(lss_request({bytes[0], bytes[1], bytes[2], bytes[3], bytes[4]}),
+                                         kUnconfiguredNodeId, sink));
+    return sink.take().size();
+  };
+  const auto ask_rest_of_switch = [this](LssSlave& asked) {
+    for (const auto& bytes : {std::array{0x41u, 0x01u, 0u, 0u, 0u}, std::array{0x42u, 0u, 0u, 1u, 0u},
+                              std::array{0x43u, 0x10u, 0x0Du, 0x36u, 0x0Fu}})
+      static_cast<void>(asked.on_request(lss_request({bytes[0], bytes[1], bytes[2], bytes[3], bytes[4]}),
+                                         kUnconfiguredNodeId, sink));
+    return sink.take().size();
+  };
+  ask({0x46, 0x49, 0x42, 0x4F, 0x4B});
+  EXPECT_EQ(ask_rest_of_identify(slave), 1u);
+  ask({0x46, 0x49, 0x42, 0x4F, 0x4B});
+  slave.restart(kUnconfiguredNodeId);
+  EXPECT_EQ(ask_rest_of_identify(slave), 0u);
+  ask({0x40, 0x49, 0x42, 0x4F, 0x4B});
+  slave.restart(kUnconfiguredNodeId);
+  EXPECT_EQ(ask_rest_of_switch(slave), 0u);
+  ask({0x40, 0x49, 0x42, 0x4F, 0x4B});
+  EXPECT_EQ(ask_rest_of_switch(slave), 1u);
+  slave.restart(kUnconfiguredNodeId);
+  EXPECT_EQ(scan(0x4B4F'4249, 0, 0, 1), lss_response({0x4F})) << "the first part, without a confirmation";
+  slave.restart(kUnconfiguredNodeId);
+  EXPECT_EQ(scan(1, 0, 1, 2), std::nullopt) << "the second one";
+  LssSlave fresh{kAddress};
+  EXPECT_EQ(fresh.node_id(), kUnconfiguredNodeId);
+  EXPECT_EQ(fresh.state(), LssSlave::State::kWaiting);
+  EXPECT_EQ(ask_rest_of_identify(fresh), 0u);
+  EXPECT_EQ(ask_rest_of_switch(fresh), 0u);
 }
 
 }  // namespace

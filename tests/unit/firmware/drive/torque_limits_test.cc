@@ -59,6 +59,17 @@ TEST_F(TorqueLimitsTest, WritesNothingWhileAllHaveTheirFullTorque) {
   EXPECT_TRUE(written().empty());
 }
 
+TEST_F(TorqueLimitsTest, ForgetsLimitsThatWaitAtTheNextBoot) {
+  boot_quietly();
+  for (std::size_t i = 0; i < drives.size(); ++i) group.set_torque_limit(i, 300);
+  group.boot();
+  run(700);
+  cycle();
+  run(100);
+  ASSERT_TRUE(group.booted());
+  EXPECT_TRUE(written().empty());
+}
+
 TEST_F(TorqueLimitsTest, WritesTheLimitsOfAllJointsOneAfterTheOther) {
   boot_quietly();
   std::vector<std::size_t> expected;

@@ -52,11 +52,12 @@ TEST(MotionNumbers, AreThoseOfTheFormat) {
                                  MixSource::kRoll, MixSource::kPitch})
     EXPECT_EQ(static_cast<int>(source), number++);
   number = 0;
-  for (const Interpolation interpolation :
-       {Interpolation::kLinear, Interpolation::kMinimumJerk, Interpolation::kCubic})
+  for (const Interpolation interpolation : {Interpolation::kLinear, Interpolation::kMinimumJerk,
+                                            Interpolation::kCubic, Interpolation::kTrapezoid})
     EXPECT_EQ(static_cast<int>(interpolation), number++);
   EXPECT_EQ(kMotionMagic, 0x544F'4D4Bu);
-  EXPECT_EQ(kMotionVersion, 2);
+  EXPECT_EQ(kMotionVersion, 3);
+  EXPECT_EQ(kOldestMotionVersion, 2);
   EXPECT_EQ(kNameSize, 24u);
   EXPECT_EQ(kMaxVariables, 16u);
   EXPECT_EQ(kMaxPoseGroups, 32u);
@@ -86,6 +87,7 @@ TEST(MotionNumbers, OfTheFieldsOfEachStep) {
   expect_step(Step(), kEnd, 0, 0, 0);
   expect_step(Move().step(), kMove, 0, 0, 0);
   expect_step(Move{Interpolation::kCubic, true, 5, 77}.step(), kMove, 6, 5, 77);
+  expect_step(Move{Interpolation::kTrapezoid, false, 5, 77, true}.step(), kMove, 11, 5, 77);
   expect_step(ExpectedAttitude().step(), kExpect, 0, 0, 0);
   expect_step(ExpectedAttitude{{1, -2, 3}, -4}.step(), kExpect, 0, 0xFFFC, 0x0003'FE01);
   expect_step(motion::Test().step(), Opcode::kTest, 0, 0, 0);

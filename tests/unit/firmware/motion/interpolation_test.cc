@@ -29,6 +29,15 @@ double minimum_jerk(const Leg& leg, double s) {
          (leg.to_deg - leg.from_deg) * (10 * std::pow(s, 3) - 15 * std::pow(s, 4) + 6 * std::pow(s, 5));
 }
 
+// The integral of a trapezoid of speed whose three parts take equal times; its area is 1.
+double trapezoid(double s) {
+  constexpr double kPeak = 1.5;
+  const double ramp_up = std::min(s, 1.0 / 3);
+  const double ramp_down = std::max(s - 2.0 / 3, 0.0);
+  const double constant = s - ramp_up - ramp_down;
+  return kPeak * (1.5 * ramp_up * ramp_up + constant + ramp_down - 1.5 * ramp_down * ramp_down);
+}
+
 // The knot's slope in deg/s between two legs of a monotone cubic: Fritsch and Butland's weighted harmonic
 // mean.
 double slope(const Leg& before, const Leg& after) {
@@ -60,6 +69,8 @@ double reference_deg(const std::vector<Leg>& legs, double time_s) {
       return leg.from_deg + (leg.to_deg - leg.from_deg) * s;
     case Interpolation::kMinimumJerk:
       return minimum_jerk(leg, s);
+    case Interpolation::kTrapezoid:
+      return leg.from_deg + (leg.to_deg - leg.from_deg) * trapezoid(s);
     case Interpolation::kCubic:
       return hermite(leg, i > 0 ? slope(legs[i - 1], leg) : 0,
                      i + 1 < legs.size() ? slope(leg, legs[i + 1]) : 0, s);
@@ -80,7 +91,7 @@ class InterpolationTest : public InterpreterTest {
     std::vector<Leg> legs;
     double from_deg = 0;
     for (int i = 0; i < count; ++i) {
-      const auto interpolation = kind ? *kind : static_cast<Interpolation>(random() % 3);
+      const auto interpolation = kind ? *kind : static_cast<Interpolation>(random() % 4);
       // A way of 6 degrees takes 15 ms at 400 deg/s, so that one move by speed begins in a tick: of those
       // that are cubic the interpreter leaves a second one to the next tick (kMaxWork), where it begins at
       // rest.
@@ -124,7 +135,8 @@ class InterpolationTest : public InterpreterTest {
 };
 
 TEST_F(InterpolationTest, OfEachKindAgreesWithTheReferenceWithinOneEncoderStep) {
-  for (const auto kind : {Interpolation::kLinear, Interpolation::kMinimumJerk, Interpolation::kCubic}) {
+  for (const auto kind : {Interpolation::kLinear, Interpolation::kMinimumJerk, Interpolation::kCubic,
+                          Interpolation::kTrapezoid}) {
     for (const bool by_speed : {false, true}) {
       double largest_deg = 0;
       for (std::uint32_t seed = 1; seed <= 20; ++seed)

@@ -24,6 +24,7 @@ struct MotionBuilder {
     std::vector<std::vector<std::int32_t>> poses;  // numbers of 2^-14 turn, by joint of the group
   };
 
+  std::uint16_t version = motion::kMotionVersion;
   std::string name = "test";
   std::uint32_t model_id = 0;
   std::uint8_t joint_count = 20;
@@ -60,7 +61,7 @@ struct MotionBuilder {
   std::vector<std::byte> image() const {
     std::vector<std::byte> bytes;
     put(bytes, motion::kMotionMagic, 4);
-    put(bytes, motion::kMotionVersion, 4);
+    put(bytes, version, 4);
     bytes.resize(16);
     put(bytes, model_id, 4);
     for (std::size_t i = 0; i < motion::kNameSize; ++i) {

@@ -48,7 +48,9 @@ std::vector<Step> every_opcode(Random& random) {
       Move{Interpolation::kCubic, false, 1, 15'000}.step(),
       Move{Interpolation::kCubic, by_speed, 4, by_speed ? speed : 12'000}.step(),
       {kLoopBegin, 0},
-      Move{Interpolation::kMinimumJerk, false, 2, 5'000}.step(),
+      Move{draw(random, 2) == 0 ? Interpolation::kMinimumJerk : Interpolation::kTrapezoid, false, 2, 5'000,
+           draw(random, 3) == 0}
+          .step(),
       {kLoopEnd, 6},
       {kJump, draw(random, 4) == 0 ? std::uint16_t{10} : std::uint16_t{11}},
       {kFail},
@@ -202,8 +204,8 @@ class MutationTest : public testing::Test {
     std::uint64_t sum_us = 0;
     for (std::size_t i = begin; i < *routines.upper_bound(begin); ++i) {
       const Step step = motion.step(i);
-      const bool by_speed = step.opcode == kMove && Move::of(step).by_speed;
-      if (takes_time(step.opcode) || step.opcode == kAwait) sum_us += by_speed ? kMaxStepTime_us : step.value;
+      const bool is_open = step.opcode == kMove && (Move::of(step).by_speed || Move::of(step).at_least);
+      if (takes_time(step.opcode) || step.opcode == kAwait) sum_us += is_open ? kMaxStepTime_us : step.value;
       if (step.opcode == kLoopBegin && step.operand > 1 && motion.exit_step() != kNoStep) return {};
       if (step.opcode != kCall) continue;
       const auto callee_us = time_to_end_us(motion, step.operand);

@@ -49,6 +49,25 @@ TEST_F(OpcodeTest, MoveTakesItsTimeOrThatOfItsSpeed) {
   EXPECT_EQ(time_to_end_us(), 30'000 + static_cast<std::uint32_t>(std::ceil(way_deg / 0.36)) * 1'000);
 }
 
+// Two joints move at once: the knee by half its way in the same time as the ankle, and the slower one, for
+// its way, decides. What the pose leaves alone, or where a joint is already, takes no time.
+TEST_F(OpcodeTest, MoveOfALeastTimeTakesWhatTheSlowestJointNeeds) {
+  const double limit_deg_per_s = fixed::to_double(model_.joints[kKnee].max_speed) / test::kRadPerDegree;
+  for (const auto& [interpolation, ratio] : {std::pair{Interpolation::kLinear, 1.0},
+                                             {Interpolation::kMinimumJerk, 15.0 / 8.0},
+                                             {Interpolation::kTrapezoid, 1.5}}) {
+    const Step least =
+        Move{.interpolation = interpolation, .pose = 1, .value = 20'000, .at_least = true}.step();
+    start(knee_poses().step(kMove, 2, 30'000).step(least).step(kEnd));
+    const double way_deg = kBent_deg - kFlexed_deg;
+    const double needed_us = 1e6 * ratio * way_deg / limit_deg_per_s;
+    ASSERT_GT(needed_us, 20'000.0);
+    EXPECT_NEAR(time_to_end_us(), 30'000 + needed_us, 1'000.0);
+    start(knee_poses().step(kMove, 1, 30'000).step(least).step(kEnd));
+    EXPECT_EQ(time_to_end_us(), 50'000u) << "at the pose already";
+  }
+}
+
 // The work of a call: a cubic move by speed, which reads three poses, is alone in it. What follows is late by
 // a tick, but takes its time from the next ones.
 TEST_F(OpcodeTest, MoveBySpeedLeavesASecondOneToTheNextCall) {

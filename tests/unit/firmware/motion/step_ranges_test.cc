@@ -63,7 +63,6 @@ constexpr motion::Test kTimeTest{.left = {Source::kTime}, .comparison = Comparis
 TEST_F(StepRanges, OfMoves) {
   const auto of_move = [this](const Move& move) { return of(move.step()); };
   EXPECT_EQ(of_move({.interpolation = kLastInterpolation, .value = kMinStepTime_us}), kOk);
-  EXPECT_EQ(of_move({.interpolation = static_cast<Interpolation>(3), .value = kMinStepTime_us}), kBadOpcode);
   EXPECT_EQ(of_move({.value = kMinStepTime_us - 1}), kBadStepTime);
   EXPECT_EQ(of_move({.value = kMaxStepTime_us}), kOk);
   EXPECT_EQ(of_move({.value = kMaxStepTime_us + 1}), kBadStepTime);
@@ -72,7 +71,42 @@ TEST_F(StepRanges, OfMoves) {
   EXPECT_EQ(of_move({.by_speed = true, .value = kMaxStepTime_us + 1}), kOk);
   EXPECT_EQ(of_move({.pose = kPoseCount - 1, .value = kMinStepTime_us}), kOk);
   EXPECT_EQ(of_move({.pose = kPoseCount, .value = kMinStepTime_us}), kNoSuchPose);
-  EXPECT_EQ(of(with_mode(Move{.value = kMinStepTime_us}.step(), 8)), kBadOpcode);
+  EXPECT_EQ(of(with_mode(Move{.value = kMinStepTime_us}.step(), 16)), kBadOpcode);
+  EXPECT_EQ(of_move({.value = kMinStepTime_us, .at_least = true}), kOk);
+  EXPECT_EQ(of_move({.value = kMinStepTime_us - 1, .at_least = true}), kBadStepTime);
+  EXPECT_EQ(of_move({.by_speed = true, .value = kMinStepTime_us, .at_least = true}), kBadOpcode);
+  EXPECT_EQ(of_move({.interpolation = Interpolation::kCubic, .value = kMinStepTime_us, .at_least = true}),
+            kBadOpcode);
+  EXPECT_EQ(of_move({.interpolation = Interpolation::kTrapezoid, .value = kMinStepTime_us, .at_least = true}),
+            kOk);
+}
+
+// An image of version 2 plays as before; what version 3 added it has not. Others are refused by their
+// version.
+TEST_F(StepRanges, OfTheVersionOfTheImage) {
+  const auto of_version = [this](unsigned version, const Move& move) {
+    MotionBuilder builder(model_);
+    builder.pose(3, 10).version = static_cast<std::uint16_t>(version);
+    const std::vector<std::byte> image = builder.step(move.step()).step(kEnd).image();
+    Motion opened;
+    const MotionStatus status = Motion::open(image, model_, opened).status;
+    EXPECT_EQ(opened.version(), status == kOk ? version : 0u);
+    if (status == kOk) {
+      EXPECT_EQ(Motion::reopen(image, opened.findings()).version(), version);
+    }
+    return status;
+  };
+  const Move plain{.interpolation = Interpolation::kCubic, .value = kMinStepTime_us};
+  const Move least{.value = kMinStepTime_us, .at_least = true};
+  const Move trapezoid{.interpolation = Interpolation::kTrapezoid, .value = kMinStepTime_us};
+  EXPECT_EQ(of_version(2, plain), kOk);
+  EXPECT_EQ(of_version(2, least), kBadOpcode);
+  EXPECT_EQ(of_version(2, trapezoid), kBadOpcode);
+  EXPECT_EQ(of_version(3, plain), kOk);
+  EXPECT_EQ(of_version(3, least), kOk);
+  EXPECT_EQ(of_version(3, trapezoid), kOk);
+  for (const unsigned version : {0u, 1u, 4u, 258u})
+    EXPECT_EQ(of_version(version, plain), MotionStatus::kBadVersion);
 }
 
 TEST_F(StepRanges, OfWaits) {

@@ -149,6 +149,44 @@ TEST(ModelRanges, OfEachScale) {
             kOk);
 }
 
+TEST(ModelRanges, OfTheSensors) {
+  const auto with_kind = [](int kind) {
+    return status([kind](Model& m) {
+      m.ankle_kind = static_cast<hal::AnkleKind>(kind);
+      m.imu_link = LinkIndex(JointIndex(0));
+    });
+  };
+  for (const int kind : {0, 1, 2, 3}) EXPECT_EQ(with_kind(kind), kOk) << kind;
+  for (const int kind : {4, 255}) EXPECT_EQ(with_kind(kind), kBadField) << kind;
+  const auto with_unit_in = [](int link) {
+    return status([link](Model& m) { m.imu_link = LinkIndex::from_raw(static_cast<std::int8_t>(link)); });
+  };
+  for (const int link : {-1, 0, 19}) EXPECT_EQ(with_unit_in(link), kOk) << link;
+  for (const int link : {-128, -2, 20, 127}) EXPECT_EQ(with_unit_in(link), kBadField) << link;
+  for (const std::size_t side : {0u, 1u}) {
+    for (std::size_t cell = 0; cell < hal::kPressureCells; ++cell) {
+      expect_offset([=](Model & m) -> auto& { return m.feet[side].cells[cell].x; });
+      expect_offset([=](Model & m) -> auto& { return m.feet[side].cells[cell].y; });
+    }
+  }
+}
+
+// Sensors of the feet that measure no force have no scale.
+TEST(ModelRanges, OfScalesBySensors) {
+  for (const int kind : {0, 1, 2, 3}) {
+    for (const bool force : {false, true}) {
+      const ModelStatus expected = kind < 2 ? kOutOfRange : kOk;
+      EXPECT_EQ(status([=](Model& m) {
+                  m.ankle_kind = static_cast<hal::AnkleKind>(kind);
+                  if (force) m.scales.ankle_force = {};
+                  if (!force) m.scales.ankle_torque = {};
+                }),
+                expected)
+          << kind << force;
+    }
+  }
+}
+
 // Numbers of the image, and those that a tool prints: other programs know no names.
 TEST(ModelNumbers, AreThoseOfTheFormat) {
   int number = 0;

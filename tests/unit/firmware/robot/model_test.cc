@@ -28,6 +28,37 @@ TEST(RobotModel, RoundTrips) {
   EXPECT_EQ(test::encode(read), image);
 }
 
+TEST(RobotModel, RoundTripsWithOtherSensors) {
+  RobotModel written = test::make_test_robot();
+  written.ankle_kind = hal::AnkleKind::kPressureCells;
+  written.imu_link = LinkIndex(JointIndex(19));
+  int number = 1;
+  for (Foot& foot : written.feet) {
+    for (Cell& cell : foot.cells) {
+      cell.x = fixed::Length::from_raw(number++);
+      cell.y = fixed::Length::from_raw(-number++);
+    }
+  }
+  const std::vector<std::byte> image = test::encode(written);
+  ASSERT_EQ(image.size(), test::encode(test::make_test_robot()).size() + 66);
+  RobotModel read;
+  ASSERT_EQ(load_model(image, read), ModelStatus::kOk);
+  EXPECT_EQ(read.ankle_kind, hal::AnkleKind::kPressureCells);
+  EXPECT_EQ(read.imu_link, written.imu_link);
+  EXPECT_EQ(read.feet[1].cells[3].y.raw(), -16);
+  EXPECT_EQ(test::encode(read), image);
+}
+
+// An image of before, without the last part.
+TEST(RobotModel, HasItsUnitInTheTrunkAndSixAxesUnlessItSaysOtherwise) {
+  RobotModel read;
+  read.ankle_kind = hal::AnkleKind::kNone;
+  read.imu_link = LinkIndex(JointIndex(19));
+  ASSERT_EQ(load_model(test::encode(test::make_test_robot()), read), ModelStatus::kOk);
+  EXPECT_EQ(read.ankle_kind, hal::AnkleKind::kSixAxis);
+  EXPECT_TRUE(read.imu_link.is_trunk());
+}
+
 TEST(RobotModel, HasAnIdDerivedFromItsContent) {
   RobotModel first;
   RobotModel second;

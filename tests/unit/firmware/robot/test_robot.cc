@@ -161,6 +161,24 @@ void put_joint(std::vector<std::byte>& bytes, const Joint& joint) {
   put(bytes, joint.centre_of_mass);
 }
 
+// The part that a robot with other sensors has.
+void put_sensors(std::vector<std::byte>& bytes, const RobotModel& model) {
+  bool is_needed = model.ankle_kind != hal::AnkleKind::kSixAxis || !model.imu_link.is_trunk();
+  for (const robot::Foot& foot : model.feet) {
+    for (const robot::Cell& cell : foot.cells)
+      is_needed = is_needed || cell.x != fixed::Length() || cell.y != fixed::Length();
+  }
+  if (!is_needed) return;
+  test::put(bytes, static_cast<std::uint8_t>(model.ankle_kind), 1);
+  test::put(bytes, static_cast<std::uint8_t>(model.imu_link.raw()), 1);
+  for (const robot::Foot& foot : model.feet) {
+    for (const robot::Cell& cell : foot.cells) {
+      put(bytes, cell.x);
+      put(bytes, cell.y);
+    }
+  }
+}
+
 // The textbook's bitwise CRC.
 std::uint32_t slow_crc32(const std::vector<std::byte>& bytes) {
   std::uint32_t crc = 0xFFFFFFFFu;
@@ -191,6 +209,7 @@ std::vector<std::byte> encode(const RobotModel& model) {
   image.resize(16);
   put_body(image, model);
   for (std::size_t i = 0; i < model.joint_count; ++i) put_joint(image, model.joints[i]);
+  put_sensors(image, model);
   seal(image);
   return image;
 }

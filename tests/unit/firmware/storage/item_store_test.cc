@@ -39,6 +39,37 @@ TEST(ItemStoreTest, KeepsItemsOfAnySizeOverAPowerCycle) {
   EXPECT_TRUE(log.is_as_expected());
 }
 
+// One of each kind, found under its own kind after a restart.
+TEST(ItemStoreTest, KeepsTheKindOfEachItem) {
+  hal::FakeStorage flash(kRobotLogSize_bytes / kSectorSize, kSectorSize);
+  const ItemKind kinds[] = {ItemKind::kMotion, ItemKind::kParameters, ItemKind::kNodeId, ItemKind::kPolicy};
+  {
+    ItemStore store(flash, kRobotLogSize_bytes);
+    for (const ItemKind kind : kinds) {
+      const auto bytes = pattern(40, static_cast<unsigned>(kind));
+      const auto repeat = [&](auto&& operation) {
+        Status status = Status::kBusy;
+        for (int i = 0; i < 1'000 && status == Status::kBusy; ++i) {
+          status = operation();
+          store.process();
+        }
+        return status;
+      };
+      ASSERT_EQ(repeat([&] { return store.begin(kind, 0, 40); }), Status::kOk);
+      ASSERT_EQ(repeat([&] { return store.append(bytes); }), Status::kOk);
+      ASSERT_EQ(repeat([&] { return store.flush(); }), Status::kOk);
+      ASSERT_EQ(repeat([&] { return store.commit(); }), Status::kOk);
+      store.release();
+    }
+  }
+  const ItemStore again(flash, kRobotLogSize_bytes);
+  for (const ItemKind kind : kinds) {
+    const auto found = again.find(kind, 0);
+    const auto expected = pattern(40, static_cast<unsigned>(kind));
+    EXPECT_TRUE(std::ranges::equal(found, expected)) << static_cast<int>(kind);
+  }
+}
+
 TEST(ItemStoreTest, TheNewestItemIsValid) {
   Log log(16 * 1024, kSectorSize);
   for (unsigned version = 0; version < 300; ++version) {
@@ -370,6 +401,20 @@ TEST(ItemStoreProperty, BehavesLikeAMap) {
       log.flash.power_on();
     }
   }
+}
+
+// The rest of a write unit stays as an erasure leaves it. A record: 16 bytes of header, 5 of the item, 3 of
+// padding.
+TEST(ItemStoreFormat, PadsAnItemWithErasedBytes) {
+  Log log(16 * 1024, kSectorSize);
+  ASSERT_EQ(log.write(3, Bytes(5, std::byte{0x11})), Status::kOk);
+  const auto record = log.flash.contents().first(24);
+  EXPECT_EQ(record[0], static_cast<std::byte>(ItemKind::kMotion));
+  EXPECT_EQ(record[1], std::byte{3});
+  EXPECT_EQ(record[2], std::byte{5});
+  EXPECT_EQ(record[3], std::byte{0});
+  for (std::size_t i = 16; i < 21; ++i) EXPECT_EQ(record[i], std::byte{0x11}) << i;
+  for (std::size_t i = 21; i < 24; ++i) EXPECT_EQ(record[i], std::byte{0xFF}) << i;
 }
 
 }  // namespace

@@ -26,8 +26,6 @@ constexpr std::array kSides{Side::kLeft, Side::kRight};
 constexpr test::Point kUp{0, 0, 1};
 constexpr test::Point kAhead{1, 0, 0};
 
-Side opposite(Side side) { return side == Side::kLeft ? Side::kRight : Side::kLeft; }
-
 class BodyTest : public testing::Test {
  protected:
   double uniform(double low, double high) { return std::uniform_real_distribution(low, high)(random); }
@@ -93,7 +91,7 @@ struct SoleErrors {
 
   void take(const Stance& stance, const Posed& posed) {
     for (const Side from : kSides) {
-      const Side side = opposite(from);
+      const Side side = other(from);
       const auto i = static_cast<std::size_t>(side);
       const test::Point expected = asked(stance, from, stance.soles[i].p, stance.heights[i]);
       worst_m = std::max(worst_m, norm(posed.sole(side, from) - expected));

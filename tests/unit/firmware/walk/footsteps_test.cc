@@ -72,14 +72,14 @@ TEST(Footsteps, AdvanceByDistanceAndTurnInEachOfTwoSteps) {
   }
 }
 
-TEST(Footsteps, OpenWithTheFootOnTheSideOfTheMotionAndCloseWithTheOther) {
+TEST(Footsteps, OpenWithTheFootOnTheSideOfTheMotionAndTurnWithBoth) {
   const Length width = from_double<Length>(0.06);
   const Footsteps steps(width, from_double<fixed::Gain>(7.0), {});
   const Stride stride{.distance = {{}, from_double<Length>(0.01)}, .turn = from_double<Angle>(0.1)};
   EXPECT_EQ(steps.step(Side::kLeft, stride).p.y, width + stride.distance.y * 2);
-  EXPECT_EQ(steps.step(Side::kLeft, stride).yaw, stride.turn * 2);
+  EXPECT_EQ(steps.step(Side::kLeft, stride).yaw, stride.turn);
   EXPECT_EQ(steps.step(Side::kRight, stride).p.y, -width);
-  EXPECT_EQ(steps.step(Side::kRight, stride).yaw, Angle());
+  EXPECT_EQ(steps.step(Side::kRight, stride).yaw, stride.turn);
 }
 
 TEST(Footsteps, AreMirroredToTheBit) {

@@ -81,7 +81,9 @@ class WalkingRobot {
 
   Posed posed() const { return {model, walker.targets()}; }
   // The swing foot, if there is one.
+  // While the standing pose fades, the soles are not where the plan has them.
   std::optional<hal::Side> swing_side() const {
+    if (tick <= kBlendTicks) return {};
     const double height_m = posed().sole(hal::Side::kRight, hal::Side::kLeft).z;
     if (std::abs(height_m) < kOnTheGround_m) return {};
     return height_m > 0 ? hal::Side::kRight : hal::Side::kLeft;
@@ -96,6 +98,7 @@ class WalkingRobot {
 
  private:
   static constexpr double kOnTheGround_m = 0.02e-3;
+  static constexpr int kBlendTicks = 25;
 
   void note_landing() {
     const auto now = swing_side();
