@@ -1,6 +1,7 @@
 #include "sim_board/board/electronics.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "firmware/canopen/frame.h"
 #include "sim_board/drive/pc_sdo.h"
@@ -92,6 +93,7 @@ void Electronics::drive_servos() {
     load += loads_[joint];
   }
   const double step_s = world_.step_s();
+  if (discharge_) battery_->set_open_circuit_V(open_circuit_V());
   const double battery_V = battery_ ? battery_->voltage_V(load) : 0.0;
   for (std::size_t joint = 0; joint < drives_.size(); ++joint) {
     const double whole_V = battery_ ? battery_V : robot_.joints[joint].servo.supply_V;
@@ -99,6 +101,18 @@ void Electronics::drive_servos() {
     drawn_J_ += step_s * supply_V * loads_[joint].current_A(supply_V);
     world_.set_servo(static_cast<int>(joint), drives_[joint]->torque(supply_V));
   }
+}
+
+void Electronics::discharge_battery(double open_circuit_V, std::uint64_t over_us) {
+  discharge_ = Discharge{this->open_circuit_V(), open_circuit_V, now_us_, over_us};
+}
+
+double Electronics::open_circuit_V() const {
+  if (!discharge_) return battery_->open_circuit_V();
+  const std::uint64_t elapsed_us = now_us_ - discharge_->from_us;
+  if (elapsed_us >= discharge_->over_us) return discharge_->to_V;
+  const double share = static_cast<double>(elapsed_us) / static_cast<double>(discharge_->over_us);
+  return std::lerp(discharge_->from_V, discharge_->to_V, share);
 }
 
 void Electronics::collect_samples() {
@@ -213,8 +227,8 @@ std::vector<BusMember> Electronics::bus_members() const {
 // Excludes data that exist only within a step.
 void Electronics::archive(StateArchive& archive) {
   archive(now_us_, tick_clock_, host_, input_, output_, bus_, drives_, imu_, ankles_, imu_node_, ankle_nodes_,
-          bus_faults_, babblers_, highest_supply_V_, drawn_J_, kicked_us_, enable_line_, bitten_,
-          controller_stopped_);
+          bus_faults_, babblers_, highest_supply_V_, battery_, discharge_, drawn_J_, kicked_us_, enable_line_,
+          bitten_, controller_stopped_);
   if (!archive.writes()) bus_.set_disturbance(bus_faults_.empty() ? nullptr : &bus_faults_);
 }
 

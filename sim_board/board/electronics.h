@@ -111,6 +111,9 @@ class Electronics {  // Large: one member per part that a robot carries
   // Limits the supply of all servos, as a failing voltage regulator does. Empty: the voltage of the battery
   // or the robot file.
   void limit_supply(std::optional<double> highest_V) { highest_supply_V_ = highest_V; }
+  // Discharges the battery: from now on its open-circuit voltage goes linearly to `open_circuit_V`, within
+  // `over_us`, and stays there. The robot must have a battery.
+  void discharge_battery(double open_circuit_V, std::uint64_t over_us);
   // Adds a rate to what the gyro senses, in the axes of its link, until it is changed.
   void add_gyro_rate(const Eigen::Vector3d& w_L_rad_per_s) {
     if (imu_) imu_->add_rate(w_L_rad_per_s);
@@ -155,6 +158,15 @@ class Electronics {  // Large: one member per part that a robot carries
   void complete_input();
   void serve_controller();
   void watch_dog();
+  double open_circuit_V() const;
+
+  // The open-circuit voltage of the battery, linear in time; constant before and after.
+  struct Discharge {
+    double from_V = 0.0;
+    double to_V = 0.0;
+    std::uint64_t from_us = 0;
+    std::uint64_t over_us = 0;
+  };
 
   const RobotDescription& robot_;
   const BoardOptions options_;
@@ -180,6 +192,7 @@ class Electronics {  // Large: one member per part that a robot carries
   BusFaults bus_faults_;
   std::vector<std::unique_ptr<Babbler>> babblers_;
   std::optional<double> highest_supply_V_;
+  std::optional<Discharge> discharge_;
   std::vector<SupplyLoad> loads_;  // per servo, in this physics step
   double drawn_J_ = 0.0;
   std::uint64_t kicked_us_ = 0;

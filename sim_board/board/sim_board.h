@@ -46,6 +46,7 @@ class SimBoard {
   World& world() { return *world_; }
   const World& world() const { return *world_; }
   const GroundDescription& ground() const { return options_.world.ground; }
+  const std::vector<FreeBodyDescription>& free_bodies() const { return options_.world.free_bodies; }
   Electronics& electronics() { return electronics_; }
   const Electronics& electronics() const { return electronics_; }
   const TimeShares& time_shares() const { return shares_; }

@@ -27,6 +27,8 @@ class ForwardingWorld : public World {
   std::span<const Contact> contacts() const override { return world_->contacts(); }
   std::uint64_t solver_warnings() const override { return world_->solver_warnings(); }
   std::uint64_t unsettled_steps() const override { return world_->unsettled_steps(); }
+  std::span<const FreeBodyState> free_bodies() const override { return world_->free_bodies(); }
+  std::span<const int> links_at_free_bodies() const override { return world_->links_at_free_bodies(); }
 
   void archive(StateArchive& archive) override { archive(world_); }
 

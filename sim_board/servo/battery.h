@@ -27,6 +27,9 @@ class Battery {
   explicit Battery(const BatteryDescription& battery)
       : open_circuit_V_(battery.open_circuit_V), internal_resistance_ohm_(battery.internal_resistance_ohm) {}
 
+  double open_circuit_V() const { return open_circuit_V_; }
+  void set_open_circuit_V(double open_circuit_V) { open_circuit_V_ = open_circuit_V; }
+
   double voltage_V(const SupplyLoad& load) const {
     return std::max(0.0, (open_circuit_V_ + internal_resistance_ohm_ * load.generated_A) /
                              (1.0 + internal_resistance_ohm_ * load.conductance_S));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim_board/description/description.h"
+#include "sim_board/world/free_body.h"
 #include "sim_board/world/gravity.h"
 #include "sim_board/world/ground.h"
 #include "sim_board/world/surface_contact.h"
@@ -41,6 +42,7 @@ struct WorldOptions {
   FrictionMethod friction = FrictionMethod::kLockAndCheck;
   GroundDescription ground;
   std::vector<MaterialPair> material_pairs;
+  std::vector<FreeBodyDescription> free_bodies;
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();  // initial pose of links[0]
   std::vector<double> joint_positions_rad;                 // initial positions, by joint; empty: all zero
   bool fixed_base = false;                                 // links[0] is fixed to a stand until

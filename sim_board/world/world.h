@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "sim_board/state/archive.h"
+#include "sim_board/world/free_body.h"
 
 namespace koboshi::sim_board {
 
@@ -84,6 +85,12 @@ class World {
   virtual std::uint64_t solver_warnings() const = 0;
   // Number of steps in which contacts were left further from Coulomb's law than the engine's tolerance.
   virtual std::uint64_t unsettled_steps() const { return 0; }
+
+  // The free bodies, in the order of WorldOptions::free_bodies. Valid until the next step.
+  virtual std::span<const FreeBodyState> free_bodies() const { return {}; }
+  // By free body: a link of the robot that it touched in the last step; -1: none. The forces act on the links
+  // as pushes, and are not among contacts().
+  virtual std::span<const int> links_at_free_bodies() const { return {}; }
 
   // Saves or restores the state between two steps. A restored world continues with the same bits.
   virtual void archive(StateArchive& archive) = 0;

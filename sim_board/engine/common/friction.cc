@@ -41,29 +41,41 @@ FrictionRows friction_rows(const FrictionLaw& law, const FrictionGuess& guess) {
   return rows;
 }
 
-double friction_error(const FrictionLaw& law, const FrictionSolution& solution, double mass) {
+namespace {
+
+double error_of(const FrictionLaw& law, const FrictionSolution& solution, const Vector2d& pull) {
   const double normal = std::max(solution.normal, 0.0);
-  Vector2d nearest = pull(law, solution, mass);
+  Vector2d nearest = pull;
   const double length = nearest.norm();
   if (length > normal) nearest *= normal / length;
   return (scaled_force(law, solution.friction) - nearest).norm();
 }
 
-FrictionGuess better_guess(const FrictionLaw& law, const FrictionSolution& solution, double mass) {
+FrictionGuess guess_of(const FrictionLaw& law, const FrictionSolution& solution, const Vector2d& pull) {
   FrictionGuess guess{.normal = std::max(solution.normal, 0.0)};
   if (!law.is_planar()) return guess;
-  const Vector2d force = pull(law, solution, mass);
-  if (force.norm() > guess.normal) guess.speed = solution.velocity.norm();
-  const Vector2d against = force.cwiseQuotient(scales(law));
+  if (pull.norm() > guess.normal) guess.speed = solution.velocity.norm();
+  const Vector2d against = pull.cwiseQuotient(scales(law));
   if (against.norm() > 0.0) guess.against = against.normalized();
   return guess;
 }
 
+}  // namespace
+
+double friction_error(const FrictionLaw& law, const FrictionSolution& solution, double mass) {
+  return error_of(law, solution, pull(law, solution, mass));
+}
+
+FrictionGuess better_guess(const FrictionLaw& law, const FrictionSolution& solution, double mass) {
+  return guess_of(law, solution, pull(law, solution, mass));
+}
+
 void FrictionSearch::improve(const FrictionLaw& law, const FrictionSolution& solution, double mass,
                              FrictionGuess& guess) {
+  const Vector2d force = pull(law, solution, mass);
   normal_ = std::max(normal_, solution.normal);
-  error_ = std::max(error_, friction_error(law, solution, mass));
-  guess = better_guess(law, solution, mass);
+  error_ = std::max(error_, error_of(law, solution, force));
+  guess = guess_of(law, solution, force);
 }
 
 double FrictionSearch::error() const { return error_ > kMinNormal ? error_ / normal_ : 0.0; }

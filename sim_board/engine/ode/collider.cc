@@ -75,6 +75,9 @@ std::uint64_t row_id(const Contact& contact, int ordinal) {
   return bits(1, 60) | bits(contact.link, 40) | bits(contact.other_link + 1, 20) | bits(ordinal, 2);
 }
 
+// Corners this much above the ground are too far from it whatever the rounding.
+constexpr double kClear_m = 1e-6;
+
 // Speed of a body's point, of the ground if the body is null.
 Eigen::Vector3d speed_at(dBodyID body, const dVector3 p_W) {
   dVector3 v_W{};
@@ -108,8 +111,13 @@ std::vector<Collider::Box> Collider::make_boxes(const RobotDescription& robot, c
       dMatrix3 R;
       copy_rotation(box.X_LG.linear(), R);
       dGeomSetOffsetRotation(geom.get(), R);
-      boxes.push_back({std::move(geom), static_cast<int>(l), 0.5 * box.size_m, box.surface,
-                       p_ComG.norm() + 0.5 * box.size_m.norm(), 0.0});
+      boxes.push_back({std::move(geom),
+                       static_cast<int>(l),
+                       0.5 * box.size_m,
+                       box.surface,
+                       p_ComG.norm() + 0.5 * box.size_m.norm(),
+                       0.0,
+                       {}});
     }
   }
   return boxes;
@@ -117,6 +125,7 @@ std::vector<Collider::Box> Collider::make_boxes(const RobotDescription& robot, c
 
 void Collider::make_ground() {
   if (options_.ground.present) plane_ = make_plane(options_.ground);
+  plane_normal_W_ = options_.ground.normal_W.normalized();
   for (const GroundBox& box : options_.ground.boxes) ground_boxes_.push_back(make_ground_box(box));
 }
 
@@ -128,7 +137,7 @@ void Collider::make_pairs(const mechanics::HingeTree& tree) {
       const Box& other = boxes_[o];
       if (tree.distance(static_cast<std::size_t>(box.link), static_cast<std::size_t>(other.link)) >=
           kMinJointsBetween)
-        pairs_.push_back({box.geom.get(), other.geom.get(), b, o, meet_box(box, other), false});
+        pairs_.push_back({box.geom.get(), other.geom.get(), b, o, {}, meet_box(box, other), false});
     }
   }
 }
@@ -139,11 +148,12 @@ void Collider::make_ground_pairs(std::size_t number) {
   if (plane_) {
     const std::size_t meeting = meet_ground(box, ground.surface, Eigen::Matrix3d::Identity());
     for (const FrictionPatch& patch : ground.patches) meet_ground(box, patch.surface, patch.X_WP.linear());
-    pairs_.push_back({box.geom.get(), plane_.get(), number, kGround, meeting, true});
+    pairs_.push_back({box.geom.get(), plane_.get(), number, kGround, {}, meeting, true});
   }
   for (std::size_t i = 0; i < ground_boxes_.size(); ++i) {
     const std::size_t meeting = meet_ground(box, ground.boxes[i].surface, ground.boxes[i].X_WG.linear());
-    pairs_.push_back({box.geom.get(), ground_boxes_[i].get(), number, kGround, meeting, false});
+    pairs_.push_back({box.geom.get(), ground_boxes_[i].get(), number, kGround,
+                      bounds_of(ground_boxes_[i].get()), meeting, false});
   }
 }
 
@@ -184,35 +194,57 @@ void Collider::find_contacts() {
   contacts_.clear();
   touches_.clear();
   impact_share_ = 1.0;
-  find_reaches();
-  for (const Pair& pair : pairs_) find_contacts_of(pair);
+  find_bounds();
+  for (const Pair& pair : pairs_)
+    if (may_meet(pair)) find_contacts_of(pair);
   find_contacts_with_fields();
 }
 
-void Collider::find_reaches() {
+void Collider::find_bounds() {
   for (Box& box : boxes_) {
     const dBodyID body = dGeomGetBody(box.geom.get());
     const double speed_m_per_s =
         vector_of(dBodyGetLinearVel(body)).norm() + box.radius_m * vector_of(dBodyGetAngularVel(body)).norm();
     box.reach_m = kReach_steps * options_.step_s * speed_m_per_s;
+    box.bounds = bounds_of(box.geom.get());
   }
 }
 
+// Returns false if the bounds exclude a contact in this step.
+bool Collider::may_meet(const Pair& pair) const {
+  const Box& box = boxes_[pair.box];
+  if (pair.is_plane) return !is_above_plane(box);
+  if (pair.other_box == kGround) return !apart_by(box.bounds, pair.ground_bounds, box.reach_m);
+  const Box& other = boxes_[pair.other_box];
+  return !apart_by(box.bounds, other.bounds, box.reach_m + other.reach_m);
+}
+
 void Collider::find_contacts_of(const Pair& pair) {
-  std::array<dContactGeom, kMaxContactsOfPair> points;
   const Box& box = boxes_[pair.box];
   const Box* const other = pair.other_box == kGround ? nullptr : &boxes_[pair.other_box];
   const double reach_m = box.reach_m + (other != nullptr ? other->reach_m : 0.0);
+  const Bounds& other_bounds = other != nullptr ? other->bounds : pair.ground_bounds;
+  std::array<dContactGeom, kMaxContactsOfPair> points;
   const std::size_t count =
-      pair.is_plane ? touch_plane(box, points) : near_.find(pair.geom, pair.other_geom, reach_m, points);
+      pair.is_plane
+          ? touch_plane(box, points)
+          : near_.find(pair.geom, pair.other_geom, !apart_by(box.bounds, other_bounds, 0.0), reach_m, points);
   for (const dContactGeom& point : std::span(points).first(count))
     add_contact(point, box.link, other != nullptr ? other->link : -1, dGeomGetBody(pair.geom),
                 dGeomGetBody(pair.other_geom), meeting_at(pair, point));
 }
 
+// Whether the lowest corner is above the reach.
+bool Collider::is_above_plane(const Box& box) const {
+  const Eigen::Vector3d p_W = vector_of(dGeomGetPosition(box.geom.get()));
+  const Eigen::Matrix3d R = rotation_of(dGeomGetRotation(box.geom.get()));
+  const double down_m = (R.transpose() * plane_normal_W_).cwiseAbs().dot(box.half_m);
+  return plane_normal_W_.dot(p_W) - down_m > options_.ground.offset_m + box.reach_m + kClear_m;
+}
+
 // The plane is raised by the reach, so that ODE also finds the corners above it.
 std::size_t Collider::touch_plane(const Box& box, std::span<dContactGeom> points) {
-  const Eigen::Vector3d n_W = options_.ground.normal_W.normalized();
+  const Eigen::Vector3d& n_W = plane_normal_W_;
   dGeomPlaneSetParams(plane_.get(), n_W.x(), n_W.y(), n_W.z(), options_.ground.offset_m + box.reach_m);
   const int count =
       dCollide(box.geom.get(), plane_.get(), kMaxContactsOfPair, points.data(), sizeof(dContactGeom));

@@ -86,6 +86,7 @@ class Collider {
     dGeomID other_geom;
     std::size_t box;        // index into boxes_
     std::size_t other_box;  // kGround: the ground
+    Bounds ground_bounds;   // of a box of the ground
     std::size_t meeting;    // index into meetings_
     bool is_plane;          // the meetings with its patches follow the one with the plane
   };
@@ -97,6 +98,7 @@ class Collider {
     SurfaceDescription surface;
     double radius_m;  // of its farthest corner from the body's centre of mass
     double reach_m;   // in this step
+    Bounds bounds;    // in this step
   };
 
   struct Field {
@@ -113,11 +115,13 @@ class Collider {
   // world.
   std::size_t meet_ground(const Box& box, const SurfaceDescription& ground, const Eigen::Matrix3d& R_W);
   std::size_t meet_box(const Box& box, const Box& other);
-  void find_reaches();
+  void find_bounds();
   double target_m_per_s(const NormalRow& row) const {
     return row.is_impact ? impact_share_ * row.target_m_per_s : row.target_m_per_s;
   }
+  bool may_meet(const Pair& pair) const;
   void find_contacts_of(const Pair& pair);
+  bool is_above_plane(const Box& box) const;
   std::size_t touch_plane(const Box& box, std::span<dContactGeom> points);
   void find_contacts_with_fields();
   const Meeting& meeting_at(const Pair& pair, const dContactGeom& point) const;
@@ -129,6 +133,7 @@ class Collider {
   const WorldOptions& options_;
   OdeJointGroup joints_;
   OdeGeom plane_;
+  Eigen::Vector3d plane_normal_W_;
   std::vector<OdeGeom> ground_boxes_;  // as in the options
   NearBoxes near_;
   std::vector<Box> boxes_;

@@ -16,6 +16,16 @@ constexpr double kJointErrorReduction = 0.2;
 // Five degrees short of a quarter turn.
 constexpr double kMaxMiddle_rad = std::numbers::pi / 2.0 * 85.0 / 90.0;
 
+template <typename Described>
+std::array<const Described*, JointChain::kMaxHinges> described(const std::vector<Described>& all,
+                                                               const HingeChain& chain,
+                                                               const auto& index_of) {
+  std::array<const Described*, JointChain::kMaxHinges> found{};
+  for (std::size_t i = 0; i < chain.joints.size(); ++i)
+    found[i] = &all[static_cast<std::size_t>(index_of(chain.joints[i]))];
+  return found;
+}
+
 OdeJoint make_constraint(dWorldID world, std::size_t hinges, dBodyID child, dBodyID parent,
                          const Eigen::Vector3d& p, const Eigen::Matrix3d& R_MF) {
   const Eigen::Vector3d first = R_MF.col(0);
@@ -45,8 +55,10 @@ OdeJoint make_constraint(dWorldID world, std::size_t hinges, dBodyID child, dBod
 
 JointChain::JointChain(dWorldID world, const RobotDescription& robot, const HingeChain& chain,
                        const Bodies& bodies, std::span<const double> starts_rad, double step_s)
-    : robot_(robot),
-      chain_(chain),
+    : chain_(chain),
+      joints_(described(robot.joints, chain, [](int joint) { return joint; })),
+      links_(described(robot.links, chain,
+                       [&](int joint) { return robot.joints[static_cast<std::size_t>(joint)].child; })),
       parent_(bodies.of(joint(0).parent)),
       child_(bodies.of(joint(size() - 1).child)),
       parent_index_(bodies.index_of(joint(0).parent)),
@@ -76,24 +88,40 @@ JointChain::JointChain(dWorldID world, const RobotDescription& robot, const Hing
   }
 }
 
-const JointDescription& JointChain::joint(std::size_t i) const {
-  return robot_.joints[static_cast<std::size_t>(chain_.joints[i])];
-}
-
-const LinkDescription& JointChain::link(std::size_t i) const {
-  return robot_.links[static_cast<std::size_t>(joint(i).child)];
-}
-
-Eigen::Matrix3d JointChain::R_WParent() const { return rotation_of(dBodyGetRotation(parent_)) * R_ParentM_; }
-
-Eigen::Matrix3d JointChain::R_WChild() const { return rotation_of(dBodyGetRotation(child_)) * R_ChildM_; }
-
 Eigen::Vector3d JointChain::relative_rate_W() const {
   return vector_of(dBodyGetAngularVel(child_)) - vector_of(dBodyGetAngularVel(parent_));
 }
 
-Eigen::Vector3d JointChain::p_WAnchor_W() const {
-  return vector_of(dBodyGetPosition(parent_)) + rotation_of(dBodyGetRotation(parent_)) * p_ParentAnchor_;
+void JointChain::place() {
+  place_bodies();
+  place_hinges();
+}
+
+void JointChain::place_bodies() {
+  const Eigen::Matrix3d R_WP = rotation_of(dBodyGetRotation(parent_));
+  placement_.R_WParent = R_WP * R_ParentM_;
+  placement_.R_WChild = rotation_of(dBodyGetRotation(child_)) * R_ChildM_;
+  placement_.p_ParentAnchor_W = R_WP * p_ParentAnchor_;
+  placement_.p_WAnchor_W = vector_of(dBodyGetPosition(parent_)) + placement_.p_ParentAnchor_W;
+}
+
+// At the hinges' positions of the last step.
+void JointChain::place_hinges() {
+  Vectors& axes_W = placement_.axes_W;
+  Eigen::Matrix3d R_WM = placement_.R_WParent;
+  axes_W[0] = R_WM * joint(0).axis_M;
+  if (size() == 2) axes_W[1] = placement_.R_WChild * joint(1).axis_M;
+  if (size() == 3) axes_W[2] = placement_.R_WChild * joint(2).axis_M;
+  for (std::size_t i = 0; i < links_between(); ++i) {
+    const Eigen::Matrix3d R =
+        Eigen::AngleAxisd(motors_[i].state().position_rad, joint(i).axis_M).toRotationMatrix();
+    if (i == 0 && size() == 3) axes_W[1] = R_WM * (R * joint(1).axis_M);
+    R_WM = R_WM * R;
+    LinkPose& pose = placement_.between[i];
+    pose.R_WL = R_WM * link(i).X_ML.linear();
+    pose.p_ACom_W = R_WM * (link(i).X_ML * link(i).p_LCom_L - joint(0).p_MJ);
+  }
+  placement_.duals_W = duals(axes_W);
 }
 
 // With rotations alpha, beta, gamma about the columns of F, the child's orientation relative to the parent is
@@ -101,24 +129,11 @@ Eigen::Vector3d JointChain::p_WAnchor_W() const {
 //                                     sa sb cg + ca sg  ca cg - sa sb sg  -sa cb
 //                                     sa sg - ca sb cg  ca sb sg + sa cg   ca cb ].
 std::array<double, JointChain::kMaxHinges> JointChain::positions_rad() const {
-  const Eigen::Matrix3d R = (R_WParent() * R_MF_).transpose() * (R_WChild() * R_MF_);
+  const Eigen::Matrix3d R = (placement_.R_WParent * R_MF_).transpose() * (placement_.R_WChild * R_MF_);
   if (size() == 1) return {std::atan2(R(2, 1), R(1, 1))};
   if (size() == 2) return {std::atan2(R(2, 1), R(1, 1)), std::atan2(R(0, 2), R(0, 0))};
   return {std::atan2(-R(1, 2), R(2, 2)), std::atan2(R(0, 2), std::hypot(R(0, 0), R(0, 1))),
           third_sign_ * std::atan2(-R(0, 1), R(0, 0))};
-}
-
-JointChain::Vectors JointChain::axes_W() const {
-  const Eigen::Matrix3d R_WP = R_WParent();
-  Vectors axes;
-  axes[0] = R_WP * joint(0).axis_M;
-  if (size() == 2) axes[1] = R_WChild() * joint(1).axis_M;
-  if (size() == 3) {
-    const Eigen::AngleAxisd first(motors_[0].state().position_rad, joint(0).axis_M);
-    axes[1] = R_WP * (first * joint(1).axis_M);
-    axes[2] = R_WChild() * joint(2).axis_M;
-  }
-  return axes;
 }
 
 JointChain::Vectors JointChain::duals(const Vectors& axes_W) const {
@@ -143,38 +158,27 @@ Eigen::Vector3d JointChain::turning_of_axes_W(const Vectors& axes_W) const {
   return turning_W;
 }
 
-JointChain::Motion JointChain::motion(std::size_t i, const Vectors& axes_W) const {
-  Eigen::Matrix3d R_WM = R_WParent();
-  Motion motion;
-  motion.w_W = vector_of(dBodyGetAngularVel(parent_));
-  const Eigen::Vector3d p_ParentAnchor_W = rotation_of(dBodyGetRotation(parent_)) * p_ParentAnchor_;
+JointChain::Velocity JointChain::velocity_of_link(std::size_t i) const {
+  Eigen::Vector3d w_W = vector_of(dBodyGetAngularVel(parent_));
   const Eigen::Vector3d v_WAnchor_W =
-      vector_of(dBodyGetLinearVel(parent_)) + motion.w_W.cross(p_ParentAnchor_W);
-  for (std::size_t k = 0; k <= i; ++k) {
-    const JointState& state = motors_[k].state();
-    R_WM = R_WM * Eigen::AngleAxisd(state.position_rad, joint(k).axis_M);
-    motion.w_W += axes_W[k] * state.speed_rad_per_s;
-  }
-  motion.R_WL = R_WM * link(i).X_ML.linear();
-  motion.p_ACom_W = R_WM * (link(i).X_ML * link(i).p_LCom_L - joint(0).p_MJ);
-  motion.v_WCom_W = v_WAnchor_W + motion.w_W.cross(motion.p_ACom_W);
-  return motion;
+      vector_of(dBodyGetLinearVel(parent_)) + w_W.cross(placement_.p_ParentAnchor_W);
+  for (std::size_t k = 0; k <= i; ++k) w_W += placement_.axes_W[k] * motors_[k].state().speed_rad_per_s;
+  return {v_WAnchor_W + w_W.cross(placement_.between[i].p_ACom_W), w_W};
 }
 
 BodyState JointChain::link_between(std::size_t i) const {
-  const Motion motion = this->motion(i, axes_W());
+  const LinkPose& pose = placement_.between[i];
   BodyState state{.v_WCom_W = between_[i].v_WCom_W, .w_WL_W = between_[i].w_W};
-  state.X_WL.linear() = motion.R_WL;
-  state.X_WL.translation() = p_WAnchor_W() + motion.p_ACom_W - motion.R_WL * link(i).p_LCom_L;
+  state.X_WL.linear() = pose.R_WL;
+  state.X_WL.translation() = placement_.p_WAnchor_W + pose.p_ACom_W - pose.R_WL * link(i).p_LCom_L;
   return state;
 }
 
 void JointChain::begin_step() {
-  axes_W_ = axes_W();
-  const Vectors b = duals(axes_W_);
-  const Eigen::Vector3d turning_W = turning_of_axes_W(axes_W_);
+  const Vectors& b = placement_.duals_W;
+  const Eigen::Vector3d turning_W = turning_of_axes_W(placement_.axes_W);
   for (std::size_t i = 0; i < size(); ++i) motors_[i].begin_step(b[i], -step_s_ * b[i].dot(turning_W));
-  p_AnchorParentCom_W_ = vector_of(dBodyGetPosition(parent_)) - p_WAnchor_W();
+  p_AnchorParentCom_W_ = vector_of(dBodyGetPosition(parent_)) - placement_.p_WAnchor_W;
 }
 
 void JointChain::bound_friction() {
@@ -188,16 +192,18 @@ void JointChain::write_ode_rows() {
 // Returns the angular velocity of the child relative to the parent that corrects the axes: aligns the images
 // of a hinge's axis in both bodies, makes those of a universal joint perpendicular.
 Eigen::Vector3d JointChain::correcting_rate_W() const {
-  if (size() == 1) return kJointErrorReduction / step_s_ * (R_WChild() * joint(0).axis_M).cross(axes_W_[0]);
+  const Vectors& axes_W = placement_.axes_W;
+  if (size() == 1)
+    return kJointErrorReduction / step_s_ * (placement_.R_WChild * joint(0).axis_M).cross(axes_W[0]);
   if (size() == 2)
-    return kJointErrorReduction / step_s_ * axes_W_[0].dot(axes_W_[1]) *
-           axes_W_[0].cross(axes_W_[1]).normalized();
+    return kJointErrorReduction / step_s_ * axes_W[0].dot(axes_W[1]) *
+           axes_W[0].cross(axes_W[1]).normalized();
   return Eigen::Vector3d::Zero();
 }
 
 void JointChain::write_tree_joint(const Eigen::Vector3d& p_WO_W, mechanics::JointSpace& tree,
                                   std::size_t index, std::vector<TreeRow>& rows) {
-  const Eigen::Vector3d p_WAnchor = p_WAnchor_W();
+  const Eigen::Vector3d& p_WAnchor = placement_.p_WAnchor_W;
   const Eigen::Vector3d p_OAnchor_W = p_WAnchor - p_WO_W;
   const Eigen::Vector3d p_WChildAnchor =
       vector_of(dBodyGetPosition(child_)) + rotation_of(dBodyGetRotation(child_)) * p_ChildAnchor_;
@@ -206,7 +212,7 @@ void JointChain::write_tree_joint(const Eigen::Vector3d& p_WO_W, mechanics::Join
   for (std::size_t i = 0; i < size(); ++i) {
     const std::size_t dof = tree.first_dof(index + i);
     mechanics::JointSpace::Axis& axis = tree.axis(dof);
-    axis.motion = mechanics::spatial_velocity(axes_W_[i], p_OAnchor_W, Eigen::Vector3d::Zero());
+    axis.motion = mechanics::spatial_velocity(placement_.axes_W[i], p_OAnchor_W, Eigen::Vector3d::Zero());
     motors_[i].write_tree_axis(axis);
     motors_[i].add_rows(rows, static_cast<int>(child_index_), static_cast<int>(parent_index_), dof);
   }
@@ -229,18 +235,19 @@ bool JointChain::confirm_friction() {
 }
 
 void JointChain::finish_step() {
+  place_bodies();
   const std::array<double, kMaxHinges> positions = positions_rad();
   for (std::size_t i = 0; i < size(); ++i) motors_[i].set_position(positions[i]);
-  const Vectors b = duals(axes_W());
+  place_hinges();
   const Eigen::Vector3d w_W = relative_rate_W();
-  for (std::size_t i = 0; i < size(); ++i) motors_[i].set_speed(b[i].dot(w_W));
+  for (std::size_t i = 0; i < size(); ++i) motors_[i].set_speed(placement_.duals_W[i].dot(w_W));
 }
 
 // Wrench on the parent's side. What the tree's joint does not transmit are the torques of the bounded rows,
 // which act on parent and child.
 void JointChain::read_tree_joints(const Eigen::Vector3d& p_WO_W, const TreeSolver& solver, std::size_t index,
                                   std::size_t between) {
-  const Eigen::Vector3d p_OAnchor_W = p_WAnchor_W() - p_WO_W;
+  const Eigen::Vector3d p_OAnchor_W = placement_.p_WAnchor_W - p_WO_W;
   Eigen::Vector3d rows_Nm = Eigen::Vector3d::Zero();
   for (const ServoMotor& motor : motors_) rows_Nm += motor.on_parent_Nm() + motor.tree_torque_W_Nm();
   for (std::size_t i = 0; i < size(); ++i) {
@@ -251,7 +258,7 @@ void JointChain::read_tree_joints(const Eigen::Vector3d& p_WO_W, const TreeSolve
   }
   for (std::size_t i = 0; i < links_between(); ++i) {
     const mechanics::Vector6& velocity = solver.tree().velocity(between + i);
-    const Eigen::Vector3d p_ACom_W = motion(i, axes_W_).p_ACom_W;
+    const Eigen::Vector3d& p_ACom_W = placement_.between[i].p_ACom_W;
     between_[i] = {mechanics::velocity_at(velocity, p_OAnchor_W + p_ACom_W), velocity.head<3>()};
   }
 }
@@ -261,10 +268,7 @@ void JointChain::read_ode_joint() {
   for (const ServoMotor& motor : motors_) wrench.torque_Nm += motor.on_parent_Nm();
   wrench.torque_Nm += p_AnchorParentCom_W_.cross(wrench.force_N);
   wrenches_.fill(wrench);
-  for (std::size_t i = 0; i < links_between(); ++i) {
-    const Motion motion = this->motion(i, axes_W());
-    between_[i] = {motion.v_WCom_W, motion.w_W};
-  }
+  for (std::size_t i = 0; i < links_between(); ++i) between_[i] = velocity_of_link(i);
 }
 
 }  // namespace koboshi::sim_board

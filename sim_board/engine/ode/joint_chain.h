@@ -43,6 +43,9 @@ class JointChain {
   ServoMotor& motor(std::size_t i) { return motors_[i]; }
   const ServoMotor& motor(std::size_t i) const { return motors_[i]; }
 
+  // Reads the poses of the bodies, for the functions below. Call it whenever something else than a step has
+  // moved the bodies or restored the hinges; finish_step() calls it itself.
+  void place();
   // Same as for ServoMotor, for all hinges.
   void begin_step();
   void bound_friction();
@@ -71,7 +74,7 @@ class JointChain {
   // Number of links between the hinges: behind each but the last.
   std::size_t links_between() const { return size() - 1; }
   // Link behind hinge i.
-  const LinkDescription& link(std::size_t i) const;
+  const LinkDescription& link(std::size_t i) const { return *links_[i]; }
   // State of the link behind hinge i, which must not be the last.
   BodyState link_between(std::size_t i) const;
 
@@ -79,33 +82,40 @@ class JointChain {
 
  private:
   using Vectors = std::array<Eigen::Vector3d, kMaxHinges>;
-  // Pose of a link between the hinges, and its velocity by those of parent and hinges.
-  struct Motion {
+  // Pose of a link between the hinges.
+  struct LinkPose {
     Eigen::Matrix3d R_WL = Eigen::Matrix3d::Identity();
     Eigen::Vector3d p_ACom_W = Eigen::Vector3d::Zero();  // from the anchor to its centre of mass
-    Eigen::Vector3d v_WCom_W = Eigen::Vector3d::Zero();
-    Eigen::Vector3d w_W = Eigen::Vector3d::Zero();
+  };
+  // What follows from the poses of the two bodies and the positions of the hinges.
+  struct Placement {
+    Eigen::Matrix3d R_WParent = Eigen::Matrix3d::Identity();  // of the model frame attached to the parent
+    Eigen::Matrix3d R_WChild = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d p_ParentAnchor_W = Eigen::Vector3d::Zero();
+    Eigen::Vector3d p_WAnchor_W = Eigen::Vector3d::Zero();
+    Vectors axes_W{};
+    Vectors duals_W{};
+    std::array<LinkPose, kMaxHinges - 1> between;
   };
   struct Velocity {
     Eigen::Vector3d v_WCom_W = Eigen::Vector3d::Zero();
     Eigen::Vector3d w_W = Eigen::Vector3d::Zero();
   };
 
-  const JointDescription& joint(std::size_t i) const;
+  const JointDescription& joint(std::size_t i) const { return *joints_[i]; }
   std::size_t size() const { return chain_.joints.size(); }
-  Eigen::Matrix3d R_WParent() const;  // of the model frame attached to the parent
-  Eigen::Matrix3d R_WChild() const;
   Eigen::Vector3d relative_rate_W() const;
-  Eigen::Vector3d p_WAnchor_W() const;
   Eigen::Vector3d correcting_rate_W() const;
+  void place_bodies();
+  void place_hinges();
   std::array<double, kMaxHinges> positions_rad() const;
-  Vectors axes_W() const;  // at the positions of the last step
   Vectors duals(const Vectors& axes_W) const;
   Eigen::Vector3d turning_of_axes_W(const Vectors& axes_W) const;
-  Motion motion(std::size_t i, const Vectors& axes_W) const;
+  Velocity velocity_of_link(std::size_t i) const;  // by those of parent and hinges
 
-  const RobotDescription& robot_;
   const HingeChain chain_;
+  std::array<const JointDescription*, kMaxHinges> joints_{};  // by hinge
+  std::array<const LinkDescription*, kMaxHinges> links_{};    // behind each hinge
   dBodyID parent_;
   dBodyID child_;
   std::size_t parent_index_;  // in the bodies
@@ -120,8 +130,8 @@ class JointChain {
   OdeJoint constraint_;
   std::unique_ptr<dJointFeedback> feedback_;  // must not move, because ODE writes into it
   std::vector<ServoMotor> motors_;
-  // Values at the beginning of the step:
-  Vectors axes_W_{};
+  Placement placement_;  // at the end of the last step
+  // Value at the beginning of the step:
   Eigen::Vector3d p_AnchorParentCom_W_ = Eigen::Vector3d::Zero();
   // The last solution:
   std::array<Wrench, kMaxHinges> wrenches_;  // by hinge

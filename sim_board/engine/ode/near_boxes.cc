@@ -23,17 +23,6 @@ Vector3d half_of(dGeomID box) {
   return 0.5 * vector_of(size);
 }
 
-// Returns whether the axis-aligned bounding boxes are farther apart than this.
-bool apart_by(dGeomID geom, dGeomID other, double reach_m) {
-  std::array<dReal, 6> a;  // min x, max x, min y, ...
-  std::array<dReal, 6> b;
-  dGeomGetAABB(geom, a.data());
-  dGeomGetAABB(other, b.data());
-  for (std::size_t i = 0; i < 6; i += 2)
-    if (a[i] > b[i + 1] + reach_m || b[i] > a[i + 1] + reach_m) return true;
-  return false;
-}
-
 std::size_t collide(dGeomID box, dGeomID other, std::span<dContactGeom> points) {
   if (points.empty()) return 0;
   return static_cast<std::size_t>(
@@ -42,9 +31,15 @@ std::size_t collide(dGeomID box, dGeomID other, std::span<dContactGeom> points) 
 
 }  // namespace
 
-std::size_t NearBoxes::find(dGeomID box, dGeomID other, double reach_m, std::span<dContactGeom> points) {
-  if (apart_by(box, other, reach_m)) return 0;
-  const std::size_t touching = apart_by(box, other, 0.0) ? 0 : collide(box, other, points);
+Bounds bounds_of(dGeomID geom) {
+  Bounds bounds;
+  dGeomGetAABB(geom, bounds.data());
+  return bounds;
+}
+
+std::size_t NearBoxes::find(dGeomID box, dGeomID other, bool may_touch, double reach_m,
+                            std::span<dContactGeom> points) {
+  const std::size_t touching = may_touch ? collide(box, other, points) : 0;
   return reach_m > 0.0 ? find_gaps(box, other, reach_m, touching, points) : touching;
 }
 

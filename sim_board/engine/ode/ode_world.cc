@@ -118,6 +118,7 @@ OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
   make_joints(chains);
   saved_.resize(bodies_->all().size());
   pose_bodies(tree.poses(options_.X_WB, options_.joint_positions_rad));
+  for (JointChain& chain : chains_) chain.place();
   if (options_.fixed_base) dBodySetKinematic(bodies_->of(0));
   collider_ = std::make_unique<Collider>(world_.get(), robot_, tree, *bodies_, options_);
   tree_.emplace(Tree{TreeStep(robot_, *bodies_, chains_, options_.gravity_W_m_per_s2, options_.step_s),
@@ -315,6 +316,7 @@ void OdeWorld::archive(StateArchive& archive) {
     release_base();
   }
   saved_.restore(bodies_->all());
+  for (JointChain& chain : chains_) chain.place();
 }
 
 void OdeWorld::check_inputs() const {

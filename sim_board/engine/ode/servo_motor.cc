@@ -116,10 +116,14 @@ void ServoMotor::write_tree_axis(mechanics::JointSpace::Axis& axis) const {
 
 void ServoMotor::add_rows(std::vector<TreeRow>& rows, int child, int parent, std::size_t dof) {
   friction_row_ = stop_row_ = kNoRow;
+  const bool has_friction = friction_ == Friction::kBounded && servo_.friction_Nm > 0.0;
+  const bool below = state_.position_rad <= lower_rad_;
+  const bool at_stop = below || state_.position_rad >= upper_rad_;
+  if (!has_friction && !at_stop) return;
   TreeRow row{.body = child, .other_body = parent};
   row.jacobian = mechanics::spatial(b_W_, Eigen::Vector3d::Zero());
   row.other_jacobian = -row.jacobian;
-  if (friction_ == Friction::kBounded && servo_.friction_Nm > 0.0) {
+  if (has_friction) {
     row.target = -drift_rad_per_s_;
     row.softness = kStickingForceMixing / step_s_;
     row.upper = step_s_ * servo_.friction_Nm;
@@ -128,8 +132,7 @@ void ServoMotor::add_rows(std::vector<TreeRow>& rows, int child, int parent, std
     friction_row_ = static_cast<int>(rows.size());
     rows.push_back(row);
   }
-  const bool below = state_.position_rad <= lower_rad_;
-  if (!below && state_.position_rad < upper_rad_) return;
+  if (!at_stop) return;
   const double error_rad = state_.position_rad - (below ? lower_rad_ : upper_rad_);
   row.target = -stop_softness_.error_reduction / step_s_ * error_rad;
   row.softness = stop_softness_.constraint_force_mixing / step_s_;
@@ -181,8 +184,11 @@ void ServoMotor::correct_friction() {
   doubted_steps_ = static_cast<int>(std::ceil(kDoubt_s / step_s_));
 }
 
+// Less than half a turn is its own remainder.
 void ServoMotor::set_position(double position_rad) {
-  state_.position_rad += std::remainder(position_rad - state_.position_rad, 2.0 * std::numbers::pi);
+  const double way_rad = position_rad - state_.position_rad;
+  state_.position_rad +=
+      std::abs(way_rad) < std::numbers::pi ? way_rad : std::remainder(way_rad, 2.0 * std::numbers::pi);
   state_.servo_Nm = servo_Nm();
 }
 

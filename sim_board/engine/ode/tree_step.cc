@@ -1,21 +1,11 @@
 #include "sim_board/engine/ode/tree_step.h"
 
-#include <Eigen/LU>
 #include <cmath>
 
 #include "sim_board/engine/ode/eigen.h"
 
 namespace koboshi::sim_board {
 namespace {
-
-// Gyroscopic torque in N m, implicit as in ODE, so that it adds no energy. With the angular momentum L = I w:
-//   tau = (I (I - h [L]x)^-1 - 1) L / h,
-// which tends to L x w for h -> 0.
-Eigen::Vector3d gyroscopic_torque_Nm(const Eigen::Matrix3d& I_W, const Eigen::Vector3d& w_W, double step_s) {
-  const Eigen::Vector3d L = I_W * w_W;
-  const Eigen::Matrix3d implicit = I_W - step_s * mechanics::cross_matrix(L);
-  return (I_W * (implicit.inverse() * L) - L) / step_s;
-}
 
 // Integrates the orientation as ODE does, by the quaternion's rate at the new angular velocity:
 //   dq/dt = 1/2 (0, w) q, with the scalar part first.
@@ -53,15 +43,18 @@ std::vector<mechanics::JointSpace::Joint> tree_joints(std::span<const JointChain
 
 TreeStep::TreeStep(const RobotDescription& robot, const Bodies& bodies, std::span<const JointChain> chains,
                    const Eigen::Vector3d& gravity_W_m_per_s2, double step_s)
-    : robot_(robot),
-      bodies_(bodies),
-      gravity_W_m_per_s2_(gravity_W_m_per_s2),
+    : bodies_(bodies),
       step_s_(step_s),
       solver_(bodies.all().size() + count_between(chains), tree_joints(chains, bodies.all().size())),
+      inertias_(solver_.tree().bodies(), gravity_W_m_per_s2, step_s),
       velocities_(bodies.all().size()) {
+  for (std::size_t b = 0; b < velocities_.size(); ++b)
+    inertias_.describe(b, robot.links[static_cast<std::size_t>(bodies.link_of(b))]);
   Place next{.joint = 0, .between = bodies.all().size()};
   for (const JointChain& chain : chains) {
     places_.push_back(next);
+    for (std::size_t i = 0; i < chain.links_between(); ++i)
+      inertias_.describe(next.between + i, chain.link(i));
     next.joint += chain.links_between() + 1;
     next.between += chain.links_between();
   }
@@ -76,33 +69,31 @@ void TreeStep::begin(std::span<const JointChain> chains) {
     for (std::size_t i = 0; i < chains[c].links_between(); ++i) {
       const LinkDescription& link = chains[c].link(i);
       const BodyState state = chains[c].link_between(i);
-      set_body(places_[c].between + i, link, state.X_WL.linear(), state.X_WL * link.p_LCom_L - p_WO_W_,
-               state.v_WCom_W, state.w_WL_W);
+      inertias_.set(places_[c].between + i, state.X_WL.linear(), state.X_WL * link.p_LCom_L - p_WO_W_,
+                    state.v_WCom_W, state.w_WL_W);
     }
   }
+  inertias_.write(solver_.tree());
+  for (std::size_t b = 0; b < velocities_.size(); ++b) add_forces(b);
 }
 
 void TreeStep::read_body(std::size_t index) {
   const dBodyID body = bodies_.all()[index].get();
-  const LinkDescription& link = robot_.links[static_cast<std::size_t>(bodies_.link_of(index))];
   velocities_[index] = {vector_of(dBodyGetLinearVel(body)), vector_of(dBodyGetAngularVel(body))};
   const auto& [v_W, w_W] = velocities_[index];
-  const Eigen::Vector3d p_OCom_W = vector_of(dBodyGetPosition(body)) - p_WO_W_;
-  set_body(index, link, rotation_of(dBodyGetRotation(body)), p_OCom_W, v_W, w_W);
-  mechanics::Vector6 force = mechanics::spatial_force(p_OCom_W, vector_of(dBodyGetForce(body)));
-  force.head<3>() += vector_of(dBodyGetTorque(body));
-  solver_.tree().body(index).momentum += step_s_ * force;
+  inertias_.set(index, rotation_of(dBodyGetRotation(body)), vector_of(dBodyGetPosition(body)) - p_WO_W_, v_W,
+                w_W);
 }
 
-void TreeStep::set_body(std::size_t index, const LinkDescription& link, const Eigen::Matrix3d& R_WL,
-                        const Eigen::Vector3d& p_OCom_W, const Eigen::Vector3d& v_WCom_W,
-                        const Eigen::Vector3d& w_W) {
-  const Eigen::Matrix3d I_W = R_WL * link.I_LCom_L * R_WL.transpose();
-  mechanics::JointSpace::Body& body = solver_.tree().body(index);
-  body.inertia = mechanics::SpatialInertia(link.mass_kg, p_OCom_W, I_W);
-  body.momentum =
-      mechanics::spatial_force(p_OCom_W, link.mass_kg * (v_WCom_W + step_s_ * gravity_W_m_per_s2_));
-  body.momentum.head<3>() += I_W * w_W + step_s_ * gyroscopic_torque_Nm(I_W, w_W, step_s_);
+// Accumulated by pushes.
+void TreeStep::add_forces(std::size_t index) {
+  const dBodyID body = bodies_.all()[index].get();
+  const Eigen::Vector3d force_N = vector_of(dBodyGetForce(body));
+  const Eigen::Vector3d torque_Nm = vector_of(dBodyGetTorque(body));
+  if (force_N.isZero(0.0) && torque_Nm.isZero(0.0)) return;
+  mechanics::Vector6 force = mechanics::spatial_force(vector_of(dBodyGetPosition(body)) - p_WO_W_, force_N);
+  force.head<3>() += torque_Nm;
+  solver_.tree().body(index).momentum += step_s_ * force;
 }
 
 bool TreeStep::solve(std::span<JointChain> chains, Collider& collider, Soles& soles) {

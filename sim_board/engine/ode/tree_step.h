@@ -8,6 +8,7 @@
 #include "sim_board/engine/ode/collider.h"
 #include "sim_board/engine/ode/joint_chain.h"
 #include "sim_board/engine/ode/soles.h"
+#include "sim_board/engine/tree/link_inertias.h"
 #include "sim_board/engine/tree/tree_solver.h"
 #include "sim_board/state/archive.h"
 
@@ -22,7 +23,7 @@ namespace koboshi::sim_board {
 // between the hinges of a chain: they cost no degree of freedom.
 class TreeStep {
  public:
-  // `robot` and `bodies` must outlive this object.
+  // `bodies` must outlive this object.
   TreeStep(const RobotDescription& robot, const Bodies& bodies, std::span<const JointChain> chains,
            const Eigen::Vector3d& gravity_W_m_per_s2, double step_s);
 
@@ -46,15 +47,11 @@ class TreeStep {
   };
 
   void read_body(std::size_t index);
-  // Writes inertia and momentum of the tree's body `index`, which has its centre of mass at p_OCom_W.
-  void set_body(std::size_t index, const LinkDescription& link, const Eigen::Matrix3d& R_WL,
-                const Eigen::Vector3d& p_OCom_W, const Eigen::Vector3d& v_WCom_W, const Eigen::Vector3d& w_W);
+  void add_forces(std::size_t index);
   void write_velocities();
   void restore_velocities();
 
-  const RobotDescription& robot_;
   const Bodies& bodies_;
-  const Eigen::Vector3d gravity_W_m_per_s2_;
   const double step_s_;
   // By chain: its first joint, and the tree's body of the first link between its hinges.
   struct Place {
@@ -63,6 +60,7 @@ class TreeStep {
   };
   std::vector<Place> places_;
   TreeSolver solver_;
+  LinkInertias inertias_;
   // Values at the beginning of the step:
   Eigen::Vector3d p_WO_W_ = Eigen::Vector3d::Zero();  // the tree's origin: the base's centre of mass
   std::vector<Velocity> velocities_;

@@ -1,6 +1,10 @@
 #include "sim_board/engine/tree/tree_solver.h"
 
 #include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "mechanics/vector_clones.h"
 
 namespace koboshi::sim_board {
 namespace {
@@ -30,12 +34,29 @@ double dot(const double* one, const double* other, std::size_t size) {
 
 }  // namespace
 
+// A product is summed in the order of Eigen's dot product in registers of two numbers: elements 0, 4, 8, ...,
+// those from 1, 2 and 3 on alike, and what remains, at most three elements, by itself.
+TreeSolver::Support::Support(std::span<const std::size_t> in_order, std::size_t all) : dofs(in_order) {
+  const std::size_t blocks_end = all / 4 * 4;
+  const std::size_t pairs_end = all / 2 * 2;
+  for (std::size_t sum = 0; sum < kSums; ++sum) {
+    for (const std::size_t dof : dofs)
+      if ((dof < blocks_end ? dof % 4 : dof < pairs_end ? 4 + dof % 2 : 6) == sum) by_sum.push_back(dof);
+    ends[sum] = by_sum.size();
+  }
+}
+
 TreeSolver::TreeSolver(std::size_t bodies, std::span<const mechanics::JointSpace::Joint> joints)
     : tree_(bodies, joints),
       reduced_(kUsualRows * tree_.dofs()),
+      all_dofs_(tree_.dofs()),
       reduced_sum_(tree_.dofs()),
       body_impulses_(bodies, mechanics::Vector6::Zero()),
       lcp_(kUsualRows) {
+  std::iota(all_dofs_.begin(), all_dofs_.end(), std::size_t{0});
+  for (std::size_t b = 0; b < bodies; ++b) supports_.emplace_back(tree_.path(b), tree_.dofs());
+  supports_.emplace_back(all_dofs_, tree_.dofs());
+  groups_.reserve(kUsualRows);
   rows_.reserve(kUsualRows);
   frictions_.reserve(kUsualRows);
   friction_rows_.reserve(kUsualRows);
@@ -64,29 +85,104 @@ bool TreeSolver::solve() {
 
 void TreeSolver::fill_problem() {
   const std::size_t count = rows_.size();
-  const auto dofs = static_cast<Eigen::Index>(tree_.dofs());
-  if (reduced_.size() < count * tree_.dofs()) reduced_.resize(count * tree_.dofs());
   if (A_.size() < count * count) A_.resize(count * count);
   for (auto* vector : {&b_, &impulses_})
     if (vector->size() < count) vector->resize(count);
+  make_groups();
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    reduce_group(g);
+    for (std::size_t other = 0; other <= g; ++other) multiply_groups(g, other);
+  }
   for (std::size_t r = 0; r < count; ++r) {
     const TreeRow& row = rows_[r];
-    const std::span<double> y = reduced(r);
-    std::ranges::fill(y, 0.0);
     double speed = row.jacobian.dot(tree_.velocity(to_index(row.body)));
-    tree_.add_to_jacobian(to_index(row.body), row.jacobian, y);
-    if (row.other_body >= 0) {
-      speed += row.other_jacobian.dot(tree_.velocity(to_index(row.other_body)));
-      tree_.add_to_jacobian(to_index(row.other_body), row.other_jacobian, y);
-    }
-    tree_.reduce(y);
+    if (row.other_body >= 0) speed += row.other_jacobian.dot(tree_.velocity(to_index(row.other_body)));
     b_[r] = row.target - speed;
-    for (std::size_t s = 0; s <= r; ++s) {
-      const double product =
-          Eigen::VectorXd::Map(y.data(), dofs).dot(Eigen::VectorXd::Map(reduced(s).data(), dofs));
-      A_[r * count + s] = A_[s * count + r] = product;
-    }
     A_[r * count + r] += row.softness;
+  }
+}
+
+void TreeSolver::make_groups() {
+  groups_.clear();
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const TreeRow& row = rows_[r];
+    if (!groups_.empty() && groups_.back().rows < mechanics::Lanes::kCount && rows_[r - 1].body == row.body &&
+        rows_[r - 1].other_body == row.other_body) {
+      ++groups_.back().rows;
+    } else {
+      groups_.push_back({.first = r, .rows = 1, .support = &support(row)});
+    }
+  }
+  if (reduced_.size() < groups_.size() * tree_.dofs()) reduced_.resize(groups_.size() * tree_.dofs());
+}
+
+// If one body carries the other, its path contains the other's.
+const TreeSolver::Support& TreeSolver::support(const TreeRow& row) const {
+  const Support& own = supports_[to_index(row.body)];
+  if (row.other_body < 0) return own;
+  const Support& other = supports_[to_index(row.other_body)];
+  const bool is_longer = own.dofs.size() >= other.dofs.size();
+  const Support& longer = is_longer ? own : other;
+  const Support& shorter = is_longer ? other : own;
+  return longer.dofs[shorter.dofs.size() - 1] == shorter.dofs.back() ? longer : supports_.back();
+}
+
+void TreeSolver::reduce_group(std::size_t number) {
+  const RowGroup& group = groups_[number];
+  const std::span<mechanics::Lanes> y = reduced(number);
+  std::ranges::fill(y, mechanics::Lanes{});
+  const auto add = [&](int body, const mechanics::Vector6 TreeRow::*jacobian) {
+    std::array<mechanics::Lanes, 6> impulses;
+    for (std::size_t lane = 0; lane < group.rows; ++lane) {
+      const mechanics::Vector6& impulse = rows_[group.first + lane].*jacobian;
+      for (std::size_t i = 0; i < impulses.size(); ++i)
+        impulses[i][lane] = impulse[static_cast<Eigen::Index>(i)];
+    }
+    tree_.add_to_jacobian(to_index(body), impulses, y);
+  };
+  const TreeRow& row = rows_[group.first];
+  add(row.body, &TreeRow::jacobian);
+  if (row.other_body >= 0) add(row.other_body, &TreeRow::other_jacobian);
+  tree_.reduce(group.support->dofs, y);
+}
+
+// The products of all lanes of one group, whether there are rows in them or not, with those of the other.
+KOBOSHI_VECTOR_CLONES void TreeSolver::multiply_groups(std::size_t number, std::size_t other_number) {
+  using mechanics::Four;
+  const RowGroup& group = groups_[number];
+  const RowGroup& other = groups_[other_number];
+  const std::size_t count = rows_.size();
+  const mechanics::Lanes* const y = &reduced_[number * tree_.dofs()];
+  const mechanics::Lanes* const z = &reduced_[other_number * tree_.dofs()];
+  const Support& support =
+      group.support->dofs.size() <= other.support->dofs.size() ? *group.support : *other.support;
+  const std::size_t* dof = support.by_sum.data();
+  const std::size_t* const dofs = dof;
+  std::array<std::array<mechanics::Lanes, mechanics::Lanes::kCount>, Support::kSums> sums;
+  for (std::size_t sum = 0; sum < Support::kSums; ++sum) {
+    Four first = {}, second = {}, third = {}, fourth = {};
+    for (const std::size_t* const end = dofs + support.ends[sum]; dof != end; ++dof) {
+      const Four right = z[*dof].all;
+      const mechanics::Lanes& left = y[*dof];
+      first += left[0] * right;
+      second += left[1] * right;
+      third += left[2] * right;
+      fourth += left[3] * right;
+    }
+    sums[sum][0].all = first;
+    sums[sum][1].all = second;
+    sums[sum][2].all = third;
+    sums[sum][3].all = fourth;
+  }
+  for (std::size_t lane = 0; lane < group.rows; ++lane) {
+    const auto sum = [&](std::size_t number_of_sum) -> const Four& { return sums[number_of_sum][lane].all; };
+    mechanics::Lanes products;
+    products.all = (((sum(0) + sum(2)) + sum(4)) + ((sum(1) + sum(3)) + sum(5))) + sum(6);
+    const std::size_t r = group.first + lane;
+    for (std::size_t i = 0; i < other.rows; ++i) {
+      const std::size_t s = other.first + i;
+      A_[r * count + s] = A_[s * count + r] = products[i];
+    }
   }
 }
 
@@ -173,21 +269,40 @@ void TreeSolver::write_problem() {
   }
 }
 
-void TreeSolver::turn_rows(const TreeFriction& friction, const FrictionRows& rows) {
+// Turns the two rows and the two columns of A. It is symmetric, so that outside of the four elements where
+// they cross, the columns are the rows.
+KOBOSHI_VECTOR_CLONES void TreeSolver::turn_rows(const TreeFriction& friction, const FrictionRows& rows) {
   const std::size_t count = rows_.size();
   const std::size_t one = friction.row(0);
   const std::size_t two = friction.row(1);
-  const auto turn = [&](double& x, double& y) {
-    const Eigen::Vector2d vector(x, y);
-    x = rows.first.dot(vector);
-    y = rows.second().dot(vector);
+  const double c = rows.first.x();
+  const double s = rows.first.y();
+  const auto turn = [c, s](double& x, double& y) {
+    const double turned = c * x + s * y;
+    y = -s * x + c * y;
+    x = turned;
   };
-  const std::span<double> A = lcp_.A();
-  for (std::size_t r = 0; r < count; ++r) turn(A[one * count + r], A[two * count + r]);
-  for (std::size_t r = 0; r < count; ++r) turn(A[r * count + one], A[r * count + two]);
+  double* const A = lcp_.A().data();
+  double* const row_one = A + one * count;
+  double* const row_two = A + two * count;
+  std::size_t r = 0;
+  for (; r + 4 <= count; r += 4) {
+    const mechanics::Four x = mechanics::four_at(row_one + r);
+    const mechanics::Four y = mechanics::four_at(row_two + r);
+    mechanics::four_at(row_one + r) = c * x + s * y;
+    mechanics::four_at(row_two + r) = -s * x + c * y;
+  }
+  for (; r < count; ++r) turn(row_one[r], row_two[r]);
+  turn(row_one[one], row_one[two]);
+  turn(row_two[one], row_two[two]);
+  for (r = 0; r < count; ++r) {
+    if (r == one || r == two) continue;
+    A[r * count + one] = row_one[r];
+    A[r * count + two] = row_two[r];
+  }
   turn(lcp_.b()[one], lcp_.b()[two]);
   turn(lcp_.x()[one], lcp_.x()[two]);
-  A[two * count + two] += rows.softness;
+  row_two[two] += rows.softness;
   lcp_.b()[two] += rows.target();
 }
 
@@ -223,11 +338,16 @@ double TreeSolver::improve_guesses() {
 }
 
 void TreeSolver::apply_impulses() {
-  const auto dofs = static_cast<Eigen::Index>(tree_.dofs());
-  auto sum = Eigen::VectorXd::Map(reduced_sum_.data(), dofs);
-  sum.setZero();
-  for (std::size_t r = 0; r < rows_.size(); ++r)
-    sum += impulse(r) * Eigen::VectorXd::Map(reduced(r).data(), dofs);
+  std::ranges::fill(reduced_sum_, 0.0);
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const RowGroup& group = groups_[g];
+    const std::span<mechanics::Lanes> y = reduced(g);
+    for (const std::size_t dof : group.support->dofs) {
+      double sum = reduced_sum_[dof];
+      for (std::size_t lane = 0; lane < group.rows; ++lane) sum += impulse(group.first + lane) * y[dof][lane];
+      reduced_sum_[dof] = sum;
+    }
+  }
   tree_.apply(reduced_sum_);
 }
 

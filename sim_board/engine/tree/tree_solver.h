@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -8,6 +9,7 @@
 
 #include "mechanics/box_lcp.h"
 #include "mechanics/joint_space.h"
+#include "mechanics/lanes.h"
 #include "mechanics/spatial.h"
 #include "sim_board/engine/common/friction.h"
 #include "sim_board/state/archive.h"
@@ -83,8 +85,31 @@ class TreeSolver {
     mechanics::BoxLcp::Side side = mechanics::BoxLcp::Side::kFree;
   };
 
-  std::span<double> reduced(std::size_t row) { return {&reduced_[row * tree_.dofs()], tree_.dofs()}; }
+  // Dofs at which the reduced forms of rows are not zero.
+  struct Support {
+    explicit Support(std::span<const std::size_t> in_order, std::size_t all);
+
+    static constexpr std::size_t kSums = 7;
+    std::span<const std::size_t> dofs;      // in increasing order
+    std::vector<std::size_t> by_sum;        // the same by the sum of a product that they belong to
+    std::array<std::size_t, kSums> ends{};  // in by_sum, of each sum
+  };
+  // Consecutive rows that act on the same bodies, at most as many as there are lanes.
+  struct RowGroup {
+    std::size_t first = 0;
+    std::size_t rows = 0;
+    const Support* support = nullptr;
+  };
+
+  std::span<mechanics::Lanes> reduced(std::size_t group) {
+    return {&reduced_[group * tree_.dofs()], tree_.dofs()};
+  }
   void fill_problem();
+  void make_groups();
+  const Support& support(const TreeRow& row) const;
+  void reduce_group(std::size_t number);
+  // Writes the products of one group's reduced forms with those of another.
+  void multiply_groups(std::size_t number, std::size_t other_number);
   void find_starts();
   bool solve_rows();
   // Writes the problem for the present guesses of friction, whose rows it turns.
@@ -99,7 +124,10 @@ class TreeSolver {
 
   mechanics::JointSpace tree_;
   std::vector<TreeRow> rows_;
-  std::vector<double> reduced_;                    // by row: reduced Jacobian
+  std::vector<RowGroup> groups_;
+  std::vector<mechanics::Lanes> reduced_;  // by group: reduced Jacobians of its rows, by dof
+  std::vector<std::size_t> all_dofs_;
+  std::vector<Support> supports_;                  // by body, then of all dofs
   std::vector<double> reduced_sum_;                // by dof
   std::vector<mechanics::Vector6> body_impulses_;  // by body
   std::vector<TreeFriction> frictions_;

@@ -81,6 +81,24 @@ TEST_F(SimBoardTest, SuppliesItsDrivesFromABatteryOrIndividually) {
   EXPECT_EQ(board->electronics().drive(0).values().supply_mV, 8100u);
 }
 
+TEST_F(SimBoardTest, DischargesItsBatteryLinearlyInTime) {
+  robot.battery = {.open_circuit_V = 8.0, .internal_resistance_ohm = 0.2};
+  make();
+  const auto supply_mV = [&] { return static_cast<int>(board->electronics().drive(0).values().supply_mV); };
+  run_ms(5);
+  board->electronics().discharge_battery(7.0, 100'000);
+  run_ms(50);
+  EXPECT_NEAR(supply_mV(), 7'500, 20);                   // 10 mV a millisecond
+  board->electronics().discharge_battery(7.2, 100'000);  // from where it is
+  run_ms(50);
+  EXPECT_NEAR(supply_mV(), 7'350, 20);
+  run_ms(60);
+  EXPECT_EQ(supply_mV(), 7'200);
+  board->electronics().discharge_battery(6.0, 0);
+  run_ms(3);
+  EXPECT_EQ(supply_mV(), 6'000);
+}
+
 TEST_F(SimBoardTest, RunsServicesEachMillisecondAndTicksEachTenth) {
   run_ms(25);
   ASSERT_EQ(host.inputs.size(), 25u);

@@ -145,35 +145,59 @@ TEST_P(TreeOnRoot, MovesAsTheDenseSystemOfItsBodiesAndJoints) {
   }
 }
 
+TreeRow random_row(RandomTree& random, int body, int other_body) {
+  TreeRow row{.body = body, .other_body = other_body};
+  row.jacobian = random_vector(random.random());
+  if (other_body >= 0) row.other_jacobian = random_vector(random.random());
+  row.target = random.random().within(1.0);
+  row.softness = 0.1;
+  return row;
+}
+
 // The impulses that the solver finds are put into the dense system; there the rows must have their targets.
+void expect_rows_met(RandomTree& random, bool fixed_root) {
+  const std::vector<TreeRow>& rows = random.solver().rows();
+  ASSERT_TRUE(random.solver().solve());
+  random.solver().find_joint_impulses();
+  std::vector<Vector6> impulses(random.tree().bodies(), Vector6::Zero());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    impulses[static_cast<std::size_t>(rows[r].body)] += random.solver().impulse(r) * rows[r].jacobian;
+    if (rows[r].other_body >= 0)
+      impulses[static_cast<std::size_t>(rows[r].other_body)] +=
+          random.solver().impulse(r) * rows[r].other_jacobian;
+  }
+  const Reference reference = solve_densely(random, fixed_root, impulses);
+  expect_equal(random, reference);
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    EXPECT_NEAR(rows[r].speed(reference.velocities) + rows[r].softness * random.solver().impulse(r),
+                rows[r].target, 1e-9);
+}
+
 TEST_P(TreeOnRoot, MeetsRowsByTheImpulsesItReports) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
     RandomTree random(seed);
     random.tree().fix_root(GetParam());
-    std::vector<TreeRow>& rows = random.solver().rows();
-    for (int r = 0; r < 4; ++r) {
-      TreeRow row{.body = 1 + r, .other_body = r % 2 == 0 ? -1 : 6};
-      row.jacobian = random_vector(random.random());
-      if (row.other_body >= 0) row.other_jacobian = random_vector(random.random());
-      row.target = random.random().within(1.0);
-      row.softness = 0.1;
-      rows.push_back(row);
+    for (int r = 0; r < 4; ++r)
+      random.solver().rows().push_back(random_row(random, 1 + r, r % 2 == 0 ? -1 : 6));
+    expect_rows_met(random, GetParam());
+  }
+}
+
+// Rows on the same bodies are treated four at a time: here in groups of one to four and of more, with bodies
+// on one branch and on two.
+TEST_P(TreeOnRoot, MeetsManyRowsOnTheSameBodies) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    RandomTree random(seed);
+    random.tree().fix_root(GetParam());
+    for (const int count : {6, 1, 4, 3, 9}) {
+      const int body = static_cast<int>(random.random().bits() % 8);
+      const int other = static_cast<int>(random.random().bits() % 9) - 1;
+      for (int r = 0; r < count; ++r)
+        random.solver().rows().push_back(random_row(random, body, other == body ? -1 : other));
     }
-    ASSERT_TRUE(random.solver().solve());
-    random.solver().find_joint_impulses();
-    std::vector<Vector6> impulses(random.tree().bodies(), Vector6::Zero());
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      impulses[static_cast<std::size_t>(rows[r].body)] += random.solver().impulse(r) * rows[r].jacobian;
-      if (rows[r].other_body >= 0)
-        impulses[static_cast<std::size_t>(rows[r].other_body)] +=
-            random.solver().impulse(r) * rows[r].other_jacobian;
-    }
-    const Reference reference = solve_densely(random, GetParam(), impulses);
-    expect_equal(random, reference);
-    for (std::size_t r = 0; r < rows.size(); ++r)
-      EXPECT_NEAR(rows[r].speed(reference.velocities) + rows[r].softness * random.solver().impulse(r),
-                  rows[r].target, 1e-9);
+    expect_rows_met(random, GetParam());
   }
 }
 
