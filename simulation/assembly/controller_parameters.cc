@@ -30,8 +30,10 @@ std::string key_of(const canopen::ObjectAddress& address) {
   return std::string(found->key);
 }
 
-// Objects that PDOs write, such as requests and feedback from drives, are not parameters.
+// Objects that PDOs write, such as requests and feedback from drives, are not parameters, and neither are the
+// images of motions and policies.
 bool is_parameter(const canopen::DescribedObject& object) {
+  if (object.entry.index >= app::kMotionObject) return false;
   if (object.is_heading() || object.entry.access != canopen::Access::kReadWrite) return false;
   if (object.entry.mappable != canopen::Mappable::kNo) return false;
   return object.entry.count <= 1 || !object.text.elements.empty();

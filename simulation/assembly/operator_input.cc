@@ -26,7 +26,10 @@ void command(Simulation& simulation, const std::string& text) {
   const YamlFile document = document_of("commands", text);
   const auto commands = read_commands(document.root(), motion_names(simulation.scenario()));
   document.finish();
-  for (const Command& command : commands) simulation.command(command);
+  for (const Command& command : commands) {
+    check(command, simulation.robot());
+    simulation.command(command);
+  }
 }
 
 Push read_push(const std::string& text, const sim_board::RobotDescription& robot) {

@@ -10,6 +10,7 @@
 #include "simulation/assembly/storage_contents.h"
 #include "simulation/gait/gait_motion.h"
 #include "simulation/motion_language/compile/compile.h"
+#include "simulation/policy/policy_file.h"
 #include "simulation/scenario/reader.h"
 
 namespace koboshi::simulation {
@@ -18,9 +19,10 @@ namespace {
 // Adds a gait to the scenario: its motion, the plan as the reference for the evaluation, the gains of its
 // feedback, and the initial pose of the robot.
 std::vector<std::byte> compile_gait(const Gait& gait, PreparedScenario& prepared) {
-  auto& [scenario, robot, plant, model, gait_plan, contents] = prepared;
-  gait_plan.emplace(gait);
-  const MotionSource motion = make_gait_motion(gait, robot, model);
+  Scenario& scenario = prepared.scenario;
+  const NamedModel& model = prepared.model;
+  prepared.gait_plan.emplace(gait);
+  const MotionSource motion = make_gait_motion(gait, prepared.robot, model);
   if (scenario.initial.joints.empty()) {
     const PoseSource& stand = motion.poses.front();
     for (std::size_t joint = 0; joint < stand.angles.size(); ++joint) {
@@ -56,15 +58,34 @@ std::vector<std::vector<std::byte>> compile_motions(PreparedScenario& prepared) 
   return motions;
 }
 
+// The image of the scenario's policy; empty without one.
+std::vector<std::byte> read_policy(const Scenario& scenario, const robot::RobotModel& model) {
+  if (!scenario.policy) return {};
+  return read_policy_image(*scenario.policy, model);
+}
+
 }  // namespace
 
 PreparedScenario prepare(const Scenario& scenario) {
   PreparedScenario prepared{.scenario = scenario, .robot = read_robot(scenario)};
   prepared.plant = read_plant(scenario);
   prepared.model = load_named_model(prepared.robot);
+  prepared.motions = compile_motions(prepared);
+  prepared.parameters = compile_robot_parameters(scenario.robot_parameters, prepared.model.model);
   prepared.storage_contents =
-      make_storage_contents(prepared.model.image, compile_motions(prepared),
-                            compile_robot_parameters(scenario.robot_parameters, prepared.model.model));
+      make_storage_contents(prepared.model.image, prepared.motions, prepared.parameters,
+                            read_policy(scenario, prepared.model.model));
+  return prepared;
+}
+
+PreparedScenario with_policy(PreparedScenario prepared, std::span<const std::byte> image) {
+  const std::vector<std::byte> aligned(image.begin(), image.end());
+  policy::Policy policy;
+  const policy::PolicyVerdict verdict = policy::Policy::open(aligned, prepared.model.model, policy);
+  if (!verdict.ok())
+    throw InputError(prepared.scenario.file, 0, describe(verdict), "a policy for this robot");
+  prepared.storage_contents =
+      make_storage_contents(prepared.model.image, prepared.motions, prepared.parameters, aligned);
   return prepared;
 }
 

@@ -1,8 +1,10 @@
 #include "simulation/assembly/simulation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "base/text/error.h"
@@ -63,6 +65,19 @@ void Simulation::power_on() {
   }
   board_ = make_board(in_world, *robot_, board_options(in_world, *robot_), *host_);
   player_ = std::make_unique<ScenarioPlayer>(scenario_, *board_, resolve_parameters(scenario_.parameters));
+}
+
+void Simulation::stream(const StreamSet& set) {
+  const std::size_t joints = robot_->joints.size();
+  const auto is_right = [&](const std::vector<double>& values) {
+    return values.size() == joints &&
+           std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
+  };
+  if (!is_right(set.targets_rad) ||
+      !(set.torque_limits_percent.empty() || is_right(set.torque_limits_percent)))
+    throw std::invalid_argument("found a set with other values, expected " + std::to_string(joints) +
+                                " finite numbers, one for each joint");
+  player_->stream(set);
 }
 
 void Simulation::write(const ParameterSetting& setting) {

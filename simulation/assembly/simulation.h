@@ -40,6 +40,11 @@ class Simulation {
   // Adds an operator's command to those of the scenario (ScenarioPlayer).
   void command(const Command& command) { player_->command(command); }
   void push(const Push& push) { player_->push(push); }
+  // Sends a set of the joint target stream, which a command has begun: one target for each joint of the
+  // robot, and as many torque limits, or none. The firmware follows it from its next control cycle on if the
+  // frames arrive before: on the bus of the default robot, if it was sent 3 ms before. played() does not
+  // contain it. Throws std::invalid_argument for another number of values, or values that are not finite.
+  void stream(const StreamSet& set);
   // Throws InputError as resolve_parameters does.
   void write(const ParameterSetting& setting);
   // Begins a fault, which has been checked against the robot, at the next advance(). Throws InputError

@@ -21,12 +21,14 @@ std::size_t aligned(std::size_t offset) { return (offset + kAlignment - 1) / kAl
 
 std::vector<std::byte> make_storage_contents(std::span<const std::byte> model,
                                              std::span<const std::vector<std::byte>> motions,
-                                             std::span<const std::byte> parameters) {
+                                             std::span<const std::byte> parameters,
+                                             std::span<const std::byte> policy) {
   std::vector<Item> items{{storage::ItemKind::kRobotModel, 0, model}};
   for (std::size_t i = 0; i < motions.size(); ++i) {
     items.push_back({storage::ItemKind::kMotion, static_cast<std::uint16_t>(i), motions[i]});
   }
   if (!parameters.empty()) items.push_back({storage::ItemKind::kFactoryParameters, 0, parameters});
+  if (!policy.empty()) items.push_back({storage::ItemKind::kPolicy, 0, policy});
   const std::size_t first = storage::kImageHeaderSize + 4 + items.size() * storage::kCatalogueItemSize;
   ImageWriter catalogue;
   catalogue.u16(static_cast<std::uint16_t>(items.size()));

@@ -12,7 +12,6 @@ using Eigen::Vector2d;
 using hal::Side;
 
 std::size_t index(Side side) { return static_cast<std::size_t>(side); }
-Side other(Side side) { return side == Side::kLeft ? Side::kRight : Side::kLeft; }
 
 // Returns position and velocity along one axis.
 Vector2d along(const PendulumState& state, int axis) {

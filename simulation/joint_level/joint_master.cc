@@ -12,7 +12,7 @@ JointMaster::JointMaster(const robot::RobotModel& model, hal::StoragePort& stora
       batch_(storage),
       board_(batch_.board()),
       sink_(board_.can),
-      node_(app::kControllerNode,
+      node_(app::controller_node(model_),
             {.node_id = drive::kControllerNodeId,
              .serial_number = 1,
              .values = std::as_writable_bytes(std::span(&values_, 1))},

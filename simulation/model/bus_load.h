@@ -28,5 +28,11 @@ inline constexpr double kMaxBusLoad = 0.9;
 // sensors are nodes of the bus (`koboshi board`).
 [[nodiscard]] std::vector<BusTraffic> bus_traffic(std::size_t drives, bool sensors_on_bus);
 [[nodiscard]] BusLoad bus_load(std::size_t drives, bool sensors_on_bus);
+// Returns what a joint target stream of `sets_per_s` adds: targets of all joints and the sequence counter,
+// without torque limits.
+[[nodiscard]] BusLoad stream_load(std::size_t drives, double sets_per_s);
+// Returns the highest rate of sets, in Hz, of one in each control cycle, in every second, third ... tenth
+// cycle, with which the bus stays within kMaxBusLoad; 0 if none does.
+[[nodiscard]] double max_stream_rate_Hz(std::size_t drives, bool sensors_on_bus);
 
 }  // namespace koboshi::simulation

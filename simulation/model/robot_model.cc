@@ -1,6 +1,8 @@
 #include "simulation/model/robot_model.h"
 
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string_view>
 
@@ -150,7 +152,10 @@ NamedModel load_named_model(const RobotDescription& robot) {
   if (robot::load_model(named.image, named.model) != robot::ModelStatus::kOk) {
     throw std::logic_error("a valid robot model could not be loaded again");
   }
-  for (const sim_board::JointDescription& joint : robot.joints) named.joint_roles.push_back(joint.role());
+  for (const sim_board::JointDescription& joint : robot.joints) {
+    named.joint_roles.push_back(joint.role());
+    named.encoder_steps_rad.push_back(std::ldexp(2.0 * std::numbers::pi, -joint.encoder.bits));
+  }
   named.hands = {hand_tip(robot, named.model, robot::JointRole::kLeftElbow),
                  hand_tip(robot, named.model, robot::JointRole::kRightElbow)};
   return named;

@@ -27,6 +27,8 @@ struct NamedModel {
   std::vector<std::string> joint_roles{};  // a joint without a stated role has its name here
   std::vector<std::byte> image;
   robot::RobotModel model;
+  std::vector<double>
+      encoder_steps_rad{};  // by joint: one count of the encoder, what a measured angle is off by
   // The tip of each hand (left, right) in the frame of the link that the elbow carries: the centre of that
   // face of the link's collision boxes which is farthest from the elbow. Empty: no elbow, or no box.
   std::array<std::optional<robot::Position>, 2> hands{};

@@ -227,7 +227,8 @@ void EventLog::follow_state(std::uint64_t time_us, const Telemetry& said) {
 // Reports the motion or walk that was interrupted before its end.
 void EventLog::tell_cut_off(std::uint64_t time_us, const Telemetry& said) {
   const bool was_moving = said_.state == State::kMotion || said_.state == State::kWalking;
-  if (!was_moving || said.state == State::kStanding) return;
+  // Sitting down begins with the orderly end of both.
+  if (!was_moving || said.state == State::kStanding || said.state == State::kSittingDown) return;
   const std::string what =
       said_.state == State::kMotion ? motion_name(said_.motion) : std::string("the walk");
   cut_offs_.push_back(what + " was cut off at " + seconds_text(time_us));
@@ -250,6 +251,8 @@ void EventLog::tell_state(std::uint64_t time_us, const Telemetry& said) {
     case State::kBoot:
       return tell("state", "The controller boots.");
     case State::kLimp:
+      if (said_.state == State::kSittingDown)
+        return tell("sits", "Sits, and is limp: " + reason_text(said) + ".");
       return tell("state", said_.state == State::kBoot ? "Limp and ready: drives and sensors have answered."
                                                        : "Limp: " + reason_text(said) + ".");
     case State::kEnabling:
@@ -261,6 +264,7 @@ void EventLog::tell_state(std::uint64_t time_us, const Telemetry& said) {
     case State::kStanding:
       if (said_.state == State::kMotion) return tell("state", "Stands: the motion has ended.");
       if (said_.state == State::kWalking) return tell("state", "Stands: the walk has ended.");
+      if (said_.state == State::kStreaming) return tell("state", "Stands: the stream of targets has ended.");
       if (said_.state == State::kSteadying) {
         const std::string since =
             down_us_ ? fmt::format(", {} after {}", seconds_text(time_us - *down_us_), down_by_) : "";
@@ -275,7 +279,9 @@ void EventLog::tell_state(std::uint64_t time_us, const Telemetry& said) {
     case State::kMotion:
       return tell("state", "Plays the motion " + motion + ".");
     case State::kWalking:
-      return tell("state", "Walks.");
+      return tell("state", said.reason == behaviour::Reason::kPushed
+                               ? "Is pushed beyond what its soles hold, and takes steps."
+                               : "Walks.");
     case State::kFalling:
       down_us_ = time_us;
       down_by_ = "the fall was detected";
@@ -298,7 +304,22 @@ void EventLog::tell_state(std::uint64_t time_us, const Telemetry& said) {
     case State::kSteadying:
       return tell("state", "Has risen, and comes to rest.");
     case State::kLowBattery:
-      return tell("low_supply", "The supply is low: stands, and obeys only limp and the emergency stop.");
+      if (said_.state == State::kSittingDown)
+        return tell("low_supply",
+                    "Does not sit as the motion " + motion +
+                        " expects: keeps its pose, and obeys only limp and the emergency stop.");
+      return tell("low_supply",
+                  "The supply is low, and the robot has no motion sit: stands, and obeys only limp and the "
+                  "emergency stop.");
+    case State::kSittingDown:
+      return tell("low_supply",
+                  std::string("The supply is low: ") +
+                      (said_.state == State::kWalking     ? "slows down, stops and sits down."
+                       : said_.state == State::kMotion    ? "ends its motion and sits down."
+                       : said_.state == State::kStreaming ? "returns to the standing pose and sits down."
+                                                          : "sits down."));
+    case State::kStreaming:
+      return tell("state", "Follows a stream of joint targets.");
     case State::kFault:
       return tell("fault", "Fault: " + reason_text(said) + ".");
     case State::kEmergencyStop:

@@ -62,6 +62,9 @@ std::string fault_text(const Fault& fault) {
   switch (fault.kind) {
     case Fault::Kind::kSupplyDrop:
       return text + " to " + number_text(fault.highest_V) + " V";
+    case Fault::Kind::kBatteryDischarge:
+      return text + " to " + number_text(fault.open_circuit_V) + " V within " +
+             seconds_text(fault.over_us, 1);
     case Fault::Kind::kDriveSilent:
     case Fault::Kind::kDrivePowerLoss:
     case Fault::Kind::kEncoderBreak:

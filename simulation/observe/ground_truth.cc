@@ -33,6 +33,7 @@ const GroundTruth& TruthObserver::observe(const sim_board::World& world, const T
   truth_.w_WB_W = base.w_WL_W;
   truth_.p_WCom_W = sim_board::centre_of_mass(robot_, world).p_WCom_W;
   truth_.tilt_rad = std::acos(std::clamp(base.X_WL.linear()(2, 2), -1.0, 1.0));
+  truth_.height_m = ground_.present ? sim_board::height_above(ground_, truth_.p_WB_W) : truth_.p_WB_W.z();
   truth_.pose_height_m = pose_height_m(telemetry);
   observe_feet(world);
   return truth_;

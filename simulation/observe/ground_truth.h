@@ -22,6 +22,7 @@ struct GroundTruth {
   Eigen::Vector3d w_WB_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d p_WCom_W = Eigen::Vector3d::Zero();
   double tilt_rad = 0.0;       // angle of the trunk's z axis from the vertical
+  double height_m = 0.0;       // of the trunk's origin above the ground below it; above z = 0 without ground
   double pose_height_m = 0.0;  // height of the trunk above the lowest sole in the pose of the targets
   std::array<double, 2> foot_load_N{};  // normal force of the ground on each sole, by Side
   std::array<double, 2> foot_slip_m{};  // slip of each foot since it took load, by Side

@@ -30,7 +30,7 @@ inline constexpr double kMinStandingHeight = 0.8;
 
 // Returns whether the robot stands upright and still, whatever its controller says.
 [[nodiscard]] inline bool stands_still(const GroundTruth& truth) {
-  return truth.tilt_rad < kUpright_rad && truth.p_WB_W.z() > kMinStandingHeight * truth.pose_height_m &&
+  return truth.tilt_rad < kUpright_rad && truth.height_m > kMinStandingHeight * truth.pose_height_m &&
          truth.w_WB_W.norm() < kStill_rad_per_s;
 }
 

@@ -51,8 +51,7 @@ RunRecorder::RunRecorder(Simulation& simulation, Recorder* recorder, sim_board::
     walk_.emplace(simulation.robot(), simulation.scenario());
   }
   truth_now_ = &truth_.observe(simulation.board().world(), telemetry_.now());
-  if (recorder_ != nullptr || rows == Rows::kAlways) trace_ = trace_fields(simulation.robot());
-  for (const TraceFields& fields : trace_) row_.reserve(row_.capacity() + fields.columns.size());
+  make_rows(rows == Rows::kAlways);
   simulation_.board().electronics().bus().set_observer(this);
   simulation_.attach(*this);
 }
@@ -81,6 +80,16 @@ void RunRecorder::on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_u
   hash_.add(frame.identifier);
   hash_.add(std::as_bytes(std::span(frame.data).first(frame.remote ? 0u : frame.size)));
   if (listener_ != nullptr) listener_->on_bus_frame(frame, start_us, end_us);
+}
+
+void RunRecorder::make_rows(bool make) {
+  row_.clear();
+  trace_.clear();
+  if (recorder_ == nullptr && !make) return;
+  trace_ = trace_fields(simulation_.robot());
+  std::size_t columns = 0;
+  for (const TraceFields& fields : trace_) columns += fields.columns.size();
+  row_.reserve(columns);
 }
 
 void RunRecorder::record() {
@@ -116,7 +125,7 @@ void RunRecorder::judge() {
   const bool on_its_feet = behaviour::kBalancing.contains(state);
   const std::uint64_t release_us = simulation_.scenario().initial.release_us.value_or(0);
   if (!on_its_feet || simulation_.board().now_us() < release_us + kSettle_us) return;
-  const double error_m = std::abs(truth_now_->p_WB_W.z() - truth_now_->pose_height_m);
+  const double error_m = std::abs(truth_now_->height_m - truth_now_->pose_height_m);
   base_height_error_m_ = std::max(base_height_error_m_, error_m);
   for (const double slip_m : truth_now_->foot_slip_m) foot_slip_m_ = std::max(foot_slip_m_, slip_m);
 }
@@ -180,6 +189,8 @@ RunSummary RunRecorder::summary() const {
     summary.lost_abilities.push_back(lost.name);
   for (const std::string& motion : simulation_.scenario().missing_motions)
     summary.lost_abilities.push_back(motion);
+  if (const std::string& missing = simulation_.scenario().missing_parameter_file; !missing.empty())
+    summary.lost_abilities.push_back(missing);
   if (walk_) summary.walk = walk_->summary();
   return summary;
 }

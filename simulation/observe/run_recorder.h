@@ -45,6 +45,8 @@ class RunRecorder final : private sim_board::BusObserver, private Companion {
   void record();
   // Observes only the tick. In a walk this omits the check of the ankle sensors.
   void record_tick();
+  // From the next tick on, makes rows or, without a recorder, makes none.
+  void make_rows(bool make);
   // The last tick's row of the trace, in the order of columns(). Empty before the first tick, and without
   // rows.
   std::span<const TraceValue> row() const { return row_; }

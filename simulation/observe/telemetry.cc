@@ -25,6 +25,8 @@ constexpr std::uint8_t kBalanceNode = drive::kControllerNodeId + 1;
 
 constexpr std::uint16_t kTpdo2Base = canopen::kTpdo1Base + canopen::kPdoStep;
 constexpr std::uint16_t kTpdo3Base = kTpdo2Base + canopen::kPdoStep;
+constexpr std::uint16_t kRpdo2Base = canopen::kRpdo1Base + canopen::kPdoStep;
+constexpr double kMetrePerMillimetre = 1e-3;
 constexpr std::uint16_t kTpdo4Base = kTpdo3Base + canopen::kPdoStep;
 
 double signed_16(const hal::CanFrame& frame, std::size_t at) {
@@ -139,8 +141,33 @@ void TelemetryReader::read_balance(std::uint16_t base, const hal::CanFrame& fram
           .y_m = length_m(5),
           .valid = (flags & app::kPlannedZmpValid) != 0,
           .frame = (flags & app::kPlanIsInRight) != 0 ? hal::Side::kRight : hal::Side::kLeft};
+      const std::uint8_t com_flags = frame.data[7];
+      Telemetry::ComMotion& motion = telemetry_.com_motion;
+      motion.valid = (com_flags & app::kComValid) != 0;
+      motion.compared = (com_flags & app::kDcmErrorValid) != 0;
+      motion.touches = {(com_flags & app::kLeftTouches) != 0, (com_flags & app::kRightTouches) != 0};
+      motion.frame = (com_flags & app::kComIsInRight) != 0 ? hal::Side::kRight : hal::Side::kLeft;
       break;
     }
+    case canopen::kRpdo1Base: {
+      const std::uint8_t flags = frame.data[6];
+      Telemetry::Place& place = telemetry_.place;
+      place.x_m = kMetrePerMillimetre * signed_16(frame, 0);
+      place.y_m = kMetrePerMillimetre * signed_16(frame, 2);
+      place.heading_rad = kRadPerAngleUnit * signed_16(frame, 4);
+      place.ground_valid = (flags & app::kGroundValid) != 0;
+      break;
+    }
+    case kRpdo2Base:
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        telemetry_.place.slope_rad.at(axis) = kRadPerAngleUnit * signed_16(frame, 2 * axis);
+        telemetry_.place.attitude_zero_rad.at(axis) = kRadPerAngleUnit * signed_16(frame, 4 + 2 * axis);
+      }
+      break;
+    case kTpdo4Base:
+      telemetry_.com_motion.dcm_m = {length_m(0), length_m(2)};
+      telemetry_.com_motion.dcm_error_m = {length_m(4), length_m(6)};
+      break;
     default:
       break;
   }

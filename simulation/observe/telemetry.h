@@ -43,6 +43,26 @@ struct Telemetry {
   Zmp zmp;                          // of both feet; the frame is that of the foot with more load
   std::array<double, 3> com_S_m{};  // centre of mass from the joint angles, in the frame of `zmp`
   Zmp planned_zmp;                  // of a walk by command
+  // Motion of the centre of mass in the frame of a sole, levelled.
+  struct ComMotion {
+    std::array<double, 2> dcm_m{};
+    std::array<double, 2> dcm_error_m{};  // against the plan of a walk
+    bool valid = false;
+    bool compared = false;          // dcm_error_m is valid
+    std::array<bool, 2> touches{};  // by Side: the foot bears load
+    hal::Side frame = hal::Side::kLeft;
+  };
+  ComMotion com_motion;
+  // Ten times a second.
+  struct Place {
+    double x_m = 0.0;  // of the trunk since power-on, along its first heading and to the left
+    double y_m = 0.0;
+    double heading_rad = 0.0;
+    bool ground_valid = false;                  // of the next two
+    std::array<double, 2> slope_rad{};          // along the sole's axes; positive uphill
+    std::array<double, 2> attitude_zero_rad{};  // what the attitude shows beyond the slope
+  };
+  Place place;
   struct Joint {
     double target_rad = 0.0;
     double position_rad = 0.0;  // from the encoder

@@ -52,7 +52,11 @@ std::string EventLog::posture(bool controller_is_dead) const {
     if (said_.state == behaviour::State::kWalking) return "walks";
     if (said_.state == behaviour::State::kMotion) return state;
     if (said_.state == behaviour::State::kLowBattery) return "stands, its supply low";
+    if (said_.state == behaviour::State::kSittingDown) return "sits down, its supply low";
   }
+  const bool is_limp_for_its_supply =
+      said_.state == behaviour::State::kLimp && said_.reason == behaviour::Reason::kSupplyLow;
+  if (is_limp_for_its_supply && truth_.tilt_rad <= kFallen_rad) return "sits, its supply low";
   if (upright) return "is upright, " + state;
   if (truth_.tilt_rad > kFallen_rad) return "lies, " + state;
   return fmt::format("leans by {:.0f} degrees, {}", kDegreesPerRad * truth_.tilt_rad, state);

@@ -23,11 +23,27 @@ void WatchedSimulation::step(std::size_t milliseconds) {
   for (std::size_t i = 0; i < milliseconds; ++i) {
     simulation_.advance();
     recorder_->record();
+    if (keeps_rows_ && now_us() % sim_board::SimBoard::kTick_us == 0) keep_row();
   }
 }
 
+void WatchedSimulation::keep_row() {
+  rows_.push_back(static_cast<double>(now_us()) / 1e6);  // rounded once, as in trace.csv
+  for (const TraceValue& value : recorder_->row()) rows_.push_back(value.number());
+}
+
+void WatchedSimulation::keep_rows(bool keep) {
+  keeps_rows_ = keep;
+  rows_.clear();
+  recorder_->make_rows(keep);
+}
+
+std::vector<double> WatchedSimulation::take_rows() { return std::exchange(rows_, {}); }
+
 void WatchedSimulation::reset(std::uint64_t seed) {
   recorder_.reset();
+  keeps_rows_ = false;
+  rows_.clear();
   frames_.clear();
   simulation_.reset(seed);
   observe();

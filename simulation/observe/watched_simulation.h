@@ -45,6 +45,12 @@ class WatchedSimulation final : private sim_board::BusObserver {
   const RunRecorder& recorder() const { return *recorder_; }
   std::uint64_t now_us() const { return simulation_.board().now_us(); }
 
+  // Switches the keeping of rows of the trace on or off. Initially off; a reset switches it off. Discards
+  // rows kept so far.
+  void keep_rows(bool keep);
+  // Returns the rows kept since the last call, one for each tick: the time in seconds and the cells of
+  // RunRecorder::columns().
+  std::vector<double> take_rows();
   // Switches the keeping of frames on or off. Initially off.
   void keep_frames(bool keep) { keeps_frames_ = keep; }
   // Returns the frames kept since the last call, in order of their end.
@@ -52,10 +58,13 @@ class WatchedSimulation final : private sim_board::BusObserver {
 
  private:
   void observe();
+  void keep_row();
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
 
   Simulation simulation_;
   std::optional<RunRecorder> recorder_;
+  bool keeps_rows_ = false;
+  std::vector<double> rows_;
   bool keeps_frames_ = false;
   std::vector<BusFrame> frames_;
 };

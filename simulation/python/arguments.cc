@@ -3,6 +3,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "simulation/assembly/operator_input.h"
@@ -38,14 +40,18 @@ Scenario read(const std::filesystem::path& file, const std::optional<std::uint64
   }
   if (stepper) overrides.push_back({"physics.stepper", *stepper, "stepper"});
   if (world) overrides.push_back(text_override("world", *world, "world"));
-  return read_scenario(find_input(InputKind::kScenario, file), overrides);
+  Scenario scenario = read_scenario(find_input(InputKind::kScenario, file), overrides);
+  if (const std::string text = left_out_text(scenario); !text.empty())
+    py::module_::import("warnings").attr("warn")(text, py::arg("stacklevel") = 1);
+  return scenario;
 }
 
 void give_command(Simulation& simulation, const std::string& verb, const py::object& value,
                   const py::kwargs& fields) {
   py::dict item;
   if (fields.empty() && value.is_none()) {
-    item[py::str(verb)] = verb == "walk" ? py::object(py::dict()) : py::object(py::bool_(true));
+    item[py::str(verb)] =
+        verb == "walk" || verb == "stream" ? py::object(py::dict()) : py::object(py::bool_(true));
   } else if (fields.empty()) {
     item[py::str(verb)] = value;
   } else {
@@ -53,6 +59,30 @@ void give_command(Simulation& simulation, const std::string& verb, const py::obj
     item[py::str(verb)] = fields;
   }
   command(simulation, yaml_of(item));
+}
+
+StreamSet stream_set(const py::object& targets_rad, const py::object& torque_limits_percent) {
+  return {.targets_rad = numbers_of(targets_rad),
+          .torque_limits_percent =
+              torque_limits_percent.is_none() ? std::vector<double>() : numbers_of(torque_limits_percent)};
+}
+
+std::vector<StreamSet> stream_sets(const py::object& targets_rad, const py::object& torque_limits_percent,
+                                   std::size_t worlds) {
+  const auto numpy = py::module_::import("numpy");
+  const auto of_world = [&](const py::object& values, std::size_t world) -> py::object {
+    if (values.is_none()) return values;
+    const py::object array = numpy.attr("asarray")(values);
+    if (array.attr("ndim").cast<int>() == 1) return array;
+    if (py::len(array) != worlds)
+      throw std::invalid_argument("found " + std::to_string(py::len(array)) + " sets, expected " +
+                                  std::to_string(worlds) + ", one for each simulation");
+    return array[py::int_(world)];
+  };
+  std::vector<StreamSet> sets;
+  for (std::size_t world = 0; world < worlds; ++world)
+    sets.push_back(stream_set(of_world(targets_rad, world), of_world(torque_limits_percent, world)));
+  return sets;
 }
 
 std::map<std::string, std::string> drawn_factors(const DisturbedWorld* world,

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "simulation/assembly/simulation.h"
 #include "simulation/scenario/scenario.h"
@@ -22,6 +23,13 @@ Scenario read(const std::filesystem::path& file, const std::optional<std::uint64
 // Gives a command with one value or with fields, not both.
 void give_command(Simulation& simulation, const std::string& verb, const pybind11::object& value,
                   const pybind11::kwargs& fields);
+
+// Returns a set of the joint target stream. The torque limits may be None.
+StreamSet stream_set(const pybind11::object& targets_rad, const pybind11::object& torque_limits_percent);
+// Returns a set for each of the worlds, from arrays with or without a leading dimension. Throws
+// std::invalid_argument for another number of sets.
+std::vector<StreamSet> stream_sets(const pybind11::object& targets_rad,
+                                   const pybind11::object& torque_limits_percent, std::size_t worlds);
 
 // What a world has drawn: a text for each factor. Empty if `world` is null.
 std::map<std::string, std::string> drawn_factors(const DisturbedWorld* world,

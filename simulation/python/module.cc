@@ -24,6 +24,7 @@
 #include "simulation/python/exclusive.h"
 #include "simulation/python/joint_level.h"
 #include "simulation/python/observation.h"
+#include "simulation/python/recording.h"
 #include "simulation/scenario/operator_pc.h"
 
 namespace py = pybind11;
@@ -86,6 +87,19 @@ class PySimulation {
     const Exclusive exclusive(busy_);
     step_unlocked(milliseconds, [this](std::size_t n) { world_.step(n); });
   }
+  py::object record(std::size_t milliseconds) {
+    const Exclusive exclusive(busy_);
+    world_.keep_rows(true);
+    try {
+      step_unlocked(milliseconds, [this](std::size_t n) { world_.step(n); });
+    } catch (...) {
+      world_.keep_rows(false);
+      throw;
+    }
+    const std::vector<std::vector<double>> rows{world_.take_rows()};
+    world_.keep_rows(false);
+    return recording(rows, world_.simulation().robot(), false);
+  }
   void reset(const std::optional<std::uint64_t>& seed) {
     const Exclusive exclusive(busy_);
     world_.reset(seed.value_or(world_.simulation().scenario().seed));
@@ -129,6 +143,25 @@ class PyBatch {
     const Exclusive exclusive(busy_);
     step_unlocked(milliseconds, [this](std::size_t n) { batch_.step(n); });
   }
+  py::object record(std::size_t milliseconds) {
+    const Exclusive exclusive(busy_);
+    const std::uint64_t phase_us = batch_.at(0).now_us() % sim_board::SimBoard::kTick_us;
+    for (std::size_t i = 0; i < batch_.size(); ++i)
+      if (batch_.at(i).now_us() % sim_board::SimBoard::kTick_us != phase_us)
+        throw std::invalid_argument(
+            "found simulations at different times of the control cycle, expected the same");
+    keep_rows(true);
+    try {
+      step_unlocked(milliseconds, [this](std::size_t n) { batch_.step(n); });
+    } catch (...) {
+      keep_rows(false);
+      throw;
+    }
+    std::vector<std::vector<double>> rows;
+    for (std::size_t i = 0; i < batch_.size(); ++i) rows.push_back(batch_.at(i).take_rows());
+    keep_rows(false);
+    return recording(rows, batch_.at(0).simulation().robot(), true);
+  }
   void reset(std::size_t world, std::uint64_t seed) {
     const Exclusive exclusive(busy_);
     batch_.reset(world, seed);
@@ -158,6 +191,10 @@ class PyBatch {
   }
 
  private:
+  void keep_rows(bool keep) {
+    for (std::size_t i = 0; i < batch_.size(); ++i) batch_.at(i).keep_rows(keep);
+  }
+
   Batch batch_;
   std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
 };
@@ -199,6 +236,15 @@ Raises InputError with file and line for an error in a file.)")
 
 The control cycle of the firmware is 10 ms. Other Python threads run during the call. Raises WorldBlewUp if the physics
 state is no longer finite, and SdoFailed if the controller rejects a value of write().)")
+      .def("record", &PySimulation::record, "milliseconds"_a,
+           R"(Advances the simulation as step() does, and returns what `koboshi run` would record meanwhile.
+
+A structured array with one row for each control cycle of 10 ms. Its fields are time_s and the columns of trace.csv
+(docs/reference/recording.md); the columns of the joints are joint_target_rad, joint_encoder_rad, joint_true_rad and
+joint_torque_permille, each with one value for each joint. nan: no valid value. Afterwards rows cost nothing.
+
+    run = sim.record(5000)
+    plt.plot(run["time_s"], run["joint_encoder_rad"][:, sim.joint_names.index("left_knee")]))")
       .def("reset", &PySimulation::reset, "seed"_a = py::none(),
            "Restarts at time zero with this seed, by default the present one. Discards the effects of all "
            "calls.")
@@ -227,6 +273,22 @@ Raises RuntimeError for a snapshot of another simulation or from before a reset(
     sim.command("play", "squat")
 
 Verbs and fields are those of the list `commands` of a scenario. events() reports whether the firmware refuses it.)")
+      .def(
+          "stream",
+          [](PySimulation& self, const py::object& targets_rad, const py::object& torque_limits_percent) {
+            self.idle().simulation().stream(stream_set(targets_rad, torque_limits_percent));
+          },
+          "targets_rad"_a, "torque_limits_percent"_a = py::none(),
+          R"(Sends one set of joint targets to the firmware, which follows them within limits and highest speeds.
+
+    sim.command("stream")             # the robot stands; now it follows
+    for _ in range(100):
+        sim.stream(targets_rad)       # one for each joint
+        sim.step(10)
+    sim.command("stop")               # back to the standing pose
+
+torque_limits_percent: one for each joint, 1 to 100; by default they stay. Without a set for 100 ms, at a fall and at low
+supply the stream ends.)")
       .def(
           "push",
           [](PySimulation& self, const py::object& force_N, double duration_s,
@@ -326,6 +388,10 @@ threads: number of threads; default: one per core.)")
            "Advances each simulation by this time. If some of them raise, the others complete the step, and "
            "the "
            "first error is raised.")
+      .def(
+          "record", &PyBatch::record, "milliseconds"_a,
+          "Simulation.record with a leading dimension: the simulation. The array has the shape (simulations, "
+          "control cycles).")
       .def("reset", &PyBatch::reset, "world"_a, "seed"_a, "Restarts one of the simulations with this seed.")
       .def(
           "command",
@@ -335,6 +401,21 @@ threads: number of threads; default: one per core.)")
           },
           "verb"_a, "value"_a = py::none(), "world"_a = py::none(),
           "Simulation.command for one of the simulations or, by default, for all.")
+      .def(
+          "stream",
+          [](PyBatch& self, const py::object& targets_rad, const py::object& torque_limits_percent,
+             const std::optional<std::size_t>& world) {
+            if (world) {
+              self.idle(*world).simulation().stream(stream_set(targets_rad, torque_limits_percent));
+              return;
+            }
+            const std::vector<StreamSet> sets = stream_sets(targets_rad, torque_limits_percent, self.size());
+            for (std::size_t i = 0; i < self.size(); ++i) self.idle(i).simulation().stream(sets[i]);
+          },
+          "targets_rad"_a, "torque_limits_percent"_a = py::none(), "world"_a = py::none(),
+          "Simulation.stream for one of the simulations or, by default, for all: arrays of shape "
+          "(simulations, "
+          "joints), or (joints,) for the same in each.")
       .def(
           "push",
           [](PyBatch& self, const py::object& force_N, double duration_s,

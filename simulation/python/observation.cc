@@ -131,6 +131,46 @@ const std::vector<Field<WatchedSimulation>>& state_fields() {
        {3},
        "centre of mass from the joint angles, in the frame of the sole with more load",
        [](const auto& world, double* to) { copy(said(world).com_S_m, to); }},
+      {"dcm_m",
+       {2},
+       "x and y of the divergent component of motion, in the frame of the sole of dcm_side; nan: invalid",
+       [](const auto& world, double* to) {
+         const Telemetry::ComMotion& motion = said(world).com_motion;
+         for (const double value : motion.dcm_m) *to++ = motion.valid ? value : kNotANumber;
+       }},
+      {"dcm_error_m",
+       {2},
+       "dcm_m less the plan of a walk for its moment; nan outside of a walk",
+       [](const auto& world, double* to) {
+         const Telemetry::ComMotion& motion = said(world).com_motion;
+         for (const double value : motion.dcm_error_m) *to++ = motion.compared ? value : kNotANumber;
+       }},
+      {"dcm_side",
+       {},
+       "the foot in whose sole's frame dcm_m is: 0 left, 1 right",
+       [](const auto& world, double* to) { *to = static_cast<double>(said(world).com_motion.frame); }},
+      {"foot_touches",
+       {2},
+       "1 while the left and the right foot bear load, by the firmware",
+       [](const auto& world, double* to) {
+         for (const bool touches : said(world).com_motion.touches) *to++ = touches ? 1.0 : 0.0;
+       }},
+      {"odometer",
+       {3},
+       "x and y of the trunk in m and its heading in rad, since power-on, by the firmware; ten times a "
+       "second",
+       [](const auto& world, double* to) {
+         const Telemetry::Place& place = said(world).place;
+         to[0] = place.x_m, to[1] = place.y_m, to[2] = place.heading_rad;
+       }},
+      {"slope_rad",
+       {2},
+       "slope of the ground along the sole's axes, uphill positive, when the robot last stood still; nan: "
+       "unknown",
+       [](const auto& world, double* to) {
+         const Telemetry::Place& place = said(world).place;
+         for (const double slope : place.slope_rad) *to++ = place.ground_valid ? slope : kNotANumber;
+       }},
       {"joint_target_rad", {kJoints}, "targets of the drives", by_joint([](const auto& world, std::size_t i) {
          return said(world).joints[i].target_rad;
        })},

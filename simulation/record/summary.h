@@ -52,7 +52,8 @@ struct RunSummary {
   // that of the target pose, and maximum slip of a loaded foot.
   double base_height_error_max_m = 0.0;
   double foot_slip_max_m = 0.0;
-  std::vector<std::string> lost_abilities{};  // names of what the robot's body and sensors cannot do
+  std::vector<std::string> lost_abilities{};  // names of what the robot's body and sensors cannot do,
+                                              // and of what the scenario leaves out for want of a file
   std::optional<WalkSummary> walk{};          // only for runs with a walk
   std::vector<RunEvent> events{};             // in order of time
 };

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "base/text/user_units.h"
+
 namespace koboshi::simulation {
 namespace {
 
@@ -43,11 +45,22 @@ Eigen::Vector3d read_velocity(const YamlMap& map) {
           map.number("turn_rad_per_s", {.min = -6.0, .max = 6.0}, 0.0)};
 }
 
-constexpr std::array<std::pair<const char*, Command::Kind>, 7> kVerbs{
+// The controller clamps targets to the limits of the joints.
+std::vector<StreamedJoint> read_stream(const YamlMap& map) {
+  std::vector<StreamedJoint> stream;
+  if (!map.has("joints_deg")) return stream;
+  for (const auto& [joint, value] : map.value("joints_deg").map().entries())
+    stream.push_back({{joint, value.source(), value.line()},
+                      value.number({.min = -180.0, .max = 179.9}) / kDegreesPerRad});
+  return stream;
+}
+
+constexpr std::array<std::pair<const char*, Command::Kind>, 8> kVerbs{
     {{"enable", Command::Kind::kEnable},
      {"play", Command::Kind::kPlay},
      {"walk", Command::Kind::kWalk},
      {"stop", Command::Kind::kStop},
+     {"stream", Command::Kind::kStream},
      {"get_up", Command::Kind::kGetUp},
      {"emergency_stop", Command::Kind::kEmergencyStop},
      {"reset", Command::Kind::kReset}}};
@@ -79,6 +92,8 @@ Command read_command(const YamlValue& item, const std::vector<std::string>& moti
       command.motion = find_motion(value, motions);
     } else if (kind == Command::Kind::kWalk) {
       command.velocity = read_velocity(value.map());
+    } else if (kind == Command::Kind::kStream) {
+      command.stream = read_stream(value.map());
     } else if (!value.boolean()) {
       throw value.error("true");
     }
@@ -171,6 +186,10 @@ void read_details(const YamlMap& map, Fault& fault) {
     case Fault::Kind::kSupplyDrop:
       fault.highest_V = map.number("supply_V", {.min = 0.0, .max = 1000.0});
       return;
+    case Fault::Kind::kBatteryDischarge:
+      fault.open_circuit_V = map.number("open_circuit_V", {.min = 0.0, .max = 1000.0});
+      fault.over_us = to_us(map.number("over_s", {.min = 0.0, .max = 86400.0}, 0.0));
+      return;
     case Fault::Kind::kImuStop:
     case Fault::Kind::kControllerStop:
     case Fault::Kind::kBusUnacknowledged:
@@ -197,8 +216,10 @@ Fault read_fault(const YamlValue& item) {
   fault.kind =
       static_cast<Fault::Kind>(std::ranges::find(Fault::kind_names(), kind) - Fault::kind_names().begin());
   fault.target = read_name(map.value("kind"));
-  // A broken cable stays broken, and an overheated winding cools at its own rate.
-  const bool may_end = fault.kind != Fault::Kind::kEncoderBreak && fault.kind != Fault::Kind::kDriveOverheat;
+  // A broken cable stays broken, an overheated winding cools at its own rate, and nobody charges the battery.
+  const bool may_end = fault.kind != Fault::Kind::kEncoderBreak &&
+                       fault.kind != Fault::Kind::kDriveOverheat &&
+                       fault.kind != Fault::Kind::kBatteryDischarge;
   if (may_end && map.has("duration_s"))
     fault.duration_us = to_us(map.number("duration_s", {.min = 1e-6, .max = 86400.0}));
   read_details(map, fault);

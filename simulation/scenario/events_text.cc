@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/text/text.h"
+#include "base/text/user_units.h"
 #include "simulation/scenario/paths.h"
 
 namespace koboshi::simulation {
@@ -17,6 +18,14 @@ std::string vector_text(const Eigen::Vector3d& v) {
 
 std::string motion_name(const Scenario& scenario, std::size_t motion) {
   return motion < scenario.motions.size() ? scenario.motions[motion].name() : kGaitMotion;
+}
+
+std::string stream_text(const Command& command) {
+  std::string joints;
+  for (const StreamedJoint& streamed : command.stream)
+    joints += (joints.empty() ? "" : ", ") + streamed.joint.text + ": " +
+              number_text(streamed.target_rad * kDegreesPerRad);
+  return joints.empty() ? "{}" : "{joints_deg: {" + joints + "}}";
 }
 
 std::string verb_text(const Command& command, const Scenario& scenario) {
@@ -37,6 +46,8 @@ std::string verb_text(const Command& command, const Scenario& scenario) {
       return "emergency_stop: true";
     case Command::Kind::kReset:
       return "reset: true";
+    case Command::Kind::kStream:
+      return "stream: " + stream_text(command);
   }
   return {};
 }
@@ -50,8 +61,8 @@ std::string push_text(const Push& push) {
 
 // Returns whether the value at this path of the document is a file name.
 bool names_file(const std::string& path) {
-  return path == "robot" || path == "parameter_file" || path == "gait.file" || path.starts_with("motions[") ||
-         path.ends_with(".height_field.file");
+  return path == "robot" || path == "parameter_file" || path == "policy" || path == "gait.file" ||
+         path.starts_with("motions[") || path.ends_with(".height_field.file");
 }
 
 // Rewrites file names relative to one folder as relative to another.

@@ -206,6 +206,45 @@ NamedMaterialPair read_pair(const YamlValue& item) {
   return named;
 }
 
+// A ball has a diameter, a box a size.
+FreeBody read_body(const YamlValue& item) {
+  constexpr NumberRange kMass_kg{.min = 0.001, .max = 100.0};
+  constexpr NumberRange kSize_m{.min = 0.005, .max = 10.0};
+  constexpr NumberRange kSpeed_m_per_s{.min = -50.0, .max = 50.0};
+  const YamlMap map = item.map();
+  FreeBody body;
+  body.name = {map.text("name"), item.source(), item.line()};
+  body.body.name = body.name.text;
+  sim_board::FreeBodyDescription& described = body.body;
+  if (map.has("diameter_m") && map.has("size_m"))
+    throw map.error_at("size_m", "size_m beside diameter_m", "one of the two");
+  if (map.has("size_m")) {
+    const std::vector<double> size_m = map.numbers("size_m", 3, kSize_m);
+    described.shape = sim_board::FreeBodyDescription::Shape::kBox;
+    described.size_m = {size_m[0], size_m[1], size_m[2]};
+  } else {
+    described.size_m = Vector3d::Constant(map.number("diameter_m", kSize_m));
+  }
+  described.mass_kg = map.number("mass_kg", kMass_kg);
+  described.friction = map.number("friction", kFriction, described.friction);
+  if (described.shape == sim_board::FreeBodyDescription::Shape::kSphere)
+    described.rolling_friction = map.number("rolling_friction", {.min = 0.0, .max = 1.0}, 0.0);
+  described.bounce = map.number("bounce", kBounce, described.bounce);
+  described.contact_time_s =
+      1e-3 * map.number("contact_time_ms", {.min = 1.0, .max = 50.0}, 1e3 * described.contact_time_s);
+  const std::vector<double> p_m = map.numbers("position_m", 2, kPosition_m);
+  described.X_WF = Translation3d(p_m[0], p_m[1], 0.0) *
+                   AngleAxisd(map.number("yaw_deg", kTurn_deg, 0.0) * kRadPerDegree, Vector3d::UnitZ());
+  body.on_ground = !map.has("height_m");
+  if (!body.on_ground)
+    described.X_WF.translation().z() = map.number("height_m", {.min = -10.0, .max = 100.0});
+  if (map.has("velocity_m_per_s")) {
+    const std::vector<double> v = map.numbers("velocity_m_per_s", 3, kSpeed_m_per_s);
+    described.v_WF_W = {v[0], v[1], v[2]};
+  }
+  return body;
+}
+
 bool same_materials(const sim_board::MaterialPair& a, const sim_board::MaterialPair& b) {
   return a.between == b.between || a.between == std::array{b.between[1], b.between[0]};
 }
@@ -243,6 +282,21 @@ std::vector<NamedMaterialPair> read_materials(const YamlMap& root) {
     pairs.push_back(std::move(pair));
   }
   return pairs;
+}
+
+std::vector<FreeBody> read_bodies(const YamlMap& root) {
+  std::vector<FreeBody> bodies;
+  if (!root.has("bodies")) return bodies;
+  for (const YamlValue& item : root.list("bodies")) {
+    FreeBody body = read_body(item);
+    const auto is_same = [&](const FreeBody& other) { return other.body.name == body.body.name; };
+    if (std::ranges::any_of(bodies, is_same))
+      throw item.error("a second body " + one_line(body.body.name), "bodies of different names");
+    bodies.push_back(std::move(body));
+  }
+  if (bodies.size() > 16)
+    throw root.error_at("bodies", std::to_string(bodies.size()) + " bodies", "at most 16");
+  return bodies;
 }
 
 }  // namespace koboshi::simulation

@@ -12,5 +12,7 @@ namespace koboshi::simulation {
 // as in read_path(). Throws InputError.
 Ground read_ground(const YamlMap& root, const std::filesystem::path& folder);
 std::vector<NamedMaterialPair> read_materials(const YamlMap& root);
+// Reads the balls and boxes beside the robot, whose names differ.
+std::vector<FreeBody> read_bodies(const YamlMap& root);
 
 }  // namespace koboshi::simulation

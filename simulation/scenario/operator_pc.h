@@ -31,13 +31,16 @@ std::vector<hal::CanFrame> command_frames(const Command& command);
 
 // The operator's PC: writes the controller's parameters by SDO, one after the other, and then sends commands
 // and accesses objects. It repeats the velocity of a walk until another command ends the walk, because the
-// controller ends a walk whose velocity is not repeated (0x1401:5). It leaves the walk to another operator
-// whose command or velocity it hears on the bus.
+// controller ends a walk whose velocity is not repeated (0x1401:5), and the targets of a stream likewise. It
+// leaves the walk or the stream to another operator whose command or velocity it hears on the bus.
 class OperatorPc final : private sim_board::BusNode, private canopen::FrameSink {
  public:
   // Period of the velocity of a walk: one of two may be lost within the controller's default deadline of
   // 500 ms.
   static constexpr std::uint64_t kVelocityPeriod_us = 200'000;
+  // Period of the sets of a stream: three of four may be lost within the controller's default deadline of
+  // 100 ms.
+  static constexpr std::uint64_t kStreamPeriod_us = 20'000;
 
   // The board must outlive the PC.
   OperatorPc(sim_board::SimBoard& board, std::vector<SdoWrite> writes);
@@ -51,6 +54,9 @@ class OperatorPc final : private sim_board::BusNode, private canopen::FrameSink 
   // Returns whether all parameters are written, so that the PC may send commands.
   bool ready() const { return written_ == writes_.size(); }
   void command(const Command& command);
+  // Sends a set of the joint target stream at once, in place of those that it repeats. The set has one target
+  // for each joint of the robot, and as many torque limits or none.
+  void stream(const StreamSet& set);
   // Appends a parameter write. Commands wait for it.
   void write(SdoWrite write);
 
@@ -59,13 +65,17 @@ class OperatorPc final : private sim_board::BusNode, private canopen::FrameSink 
   [[nodiscard]] std::vector<ObjectAnswer> take_answers() { return access_.take_answers(); }
 
   void archive(sim_board::StateArchive& archive) {
-    archive(writes_, written_, parameters_, access_, velocity_, velocity_due_us_);
+    archive(writes_, written_, parameters_, access_, velocity_, velocity_due_us_, streams_, stream_due_us_,
+            sequence_);
   }
 
  private:
   void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
   bool send(const hal::CanFrame& frame) override { return board_.electronics().send_as_operator(frame); }
   void repeat_velocity();
+  void repeat_stream();
+  void begin_stream(const Command& command);
+  void send_sequence();
   void write_parameters();
   [[noreturn]] void give_up(const ObjectAnswer& answer) const;
 
@@ -76,6 +86,9 @@ class OperatorPc final : private sim_board::BusNode, private canopen::FrameSink 
   ObjectAccess access_;
   std::optional<hal::CanFrame> velocity_;  // of the walk that this operator holds
   std::uint64_t velocity_due_us_ = 0;
+  bool streams_ = false;  // repeats the set that the controller has
+  std::uint64_t stream_due_us_ = 0;
+  std::uint8_t sequence_ = 0;  // of the next set
 };
 
 }  // namespace koboshi::simulation

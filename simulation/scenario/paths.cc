@@ -29,10 +29,11 @@ struct Place {
 };
 
 const Place& place_of(InputKind kind) {
-  static constexpr std::array<Place, 4> kPlaces{{{"scenario", "scenarios", {".yaml", nullptr}},
+  static constexpr std::array<Place, 5> kPlaces{{{"scenario", "scenarios", {".yaml", nullptr}},
                                                  {"robot", "robots", {"/robot.sdf", "/robot.urdf"}},
                                                  {"gait", "robots", {"/gait.yaml", nullptr}},
-                                                 {"study", "studies", {".yaml", nullptr}}}};
+                                                 {"study", "studies", {".yaml", nullptr}},
+                                                 {"learning study", "studies/learn", {".yaml", nullptr}}}};
   return kPlaces.at(static_cast<std::size_t>(kind));
 }
 
@@ -319,9 +320,27 @@ fs::path read_robot_file(const YamlValue& value, const fs::path& folder, const f
   const fs::path given = value.text();
   if (!find_referenced(folder, given).empty()) return read_path(value, folder);
   if (fs::path file = find_robot_file(given, folder, robot, subfolder); !file.empty()) return file;
-  throw value.error(
-      "no file " + one_line(value.text()),
-      "a path relative to the scenario's folder, to the repository's root or to the robot's folder");
+  std::string expected =
+      "a path relative to the scenario's folder, to the repository's root or to the robot's folder";
+  if (is_name(given) && !fs::exists(robot.parent_path() / "parameters.yaml"))
+    expected += "; " + bring_up_remedy(robot);
+  throw value.error("no file " + one_line(value.text()), expected);
+}
+
+std::string robot_text(const fs::path& robot) {
+  std::error_code error;
+  const fs::path folder = fs::absolute(robot, error).lexically_normal().parent_path();
+  const fs::path relative = folder.lexically_relative(fs::current_path(error));
+  const bool is_inside = !relative.empty() && *relative.begin() != "..";
+  // Whole, since the user types it: one_line() would cut a long path.
+  std::string text = (is_inside ? relative : folder).string();
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
+  return utf8_text(text);
+}
+
+std::string bring_up_remedy(const fs::path& robot) {
+  return "koboshi bring-up " + robot_text(robot) + " makes its motions, its parameters and a go.yaml";
 }
 
 }  // namespace koboshi::simulation

@@ -28,7 +28,7 @@ std::filesystem::path read_path(const YamlValue& value, const std::filesystem::p
 
 // Kind of an input file. A name stands for scenarios/NAME.yaml, robots/NAME/robot.sdf (or robot.urdf),
 // robots/NAME/gait.yaml or studies/NAME.yaml.
-enum class InputKind { kScenario, kRobot, kGait, kStudy };
+enum class InputKind { kScenario, kRobot, kGait, kStudy, kLearningStudy };
 
 // Resolves the path of a file or folder that a user names. What exists wins. A relative path is then searched
 // as find_referenced() does from the working folder. Returns a path that is not found as it is, for its
@@ -65,7 +65,14 @@ std::filesystem::path read_robot_file(const YamlValue& value, const std::filesys
                                       const std::filesystem::path& robot,
                                       const std::filesystem::path& subfolder = {});
 // Returns whether that file exists.
-bool has_robot_file(const YamlValue& value, const std::filesystem::path& folder,
-                    const std::filesystem::path& robot, const std::filesystem::path& subfolder = {});
+[[nodiscard]] bool has_robot_file(const YamlValue& value, const std::filesystem::path& folder,
+                                  const std::filesystem::path& robot,
+                                  const std::filesystem::path& subfolder = {});
+
+// Returns how a message calls a robot, and what the user types: the folder of its file, relative to the
+// working folder where it lies in it.
+[[nodiscard]] std::string robot_text(const std::filesystem::path& robot);
+// Returns the remedy for a robot without files of its own, such as after `koboshi model import`.
+[[nodiscard]] std::string bring_up_remedy(const std::filesystem::path& robot);
 
 }  // namespace koboshi::simulation

@@ -1,6 +1,7 @@
 #include "simulation/scenario/player.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
@@ -12,6 +13,28 @@
 #include "simulation/scenario/make_ground.h"
 
 namespace koboshi::simulation {
+
+namespace {
+
+// Lays a body, whose height is zero, on the ground below it.
+sim_board::FreeBodyDescription lain_on_ground(sim_board::FreeBodyDescription body,
+                                              const sim_board::GroundDescription& ground) {
+  constexpr double kStart_m = 10.0;
+  constexpr int kSteps = 40;  // on a slope of 45 degrees each leaves a third of the gap
+  if (!ground.present && ground.boxes.empty()) return body;
+  const bool is_box = body.shape == sim_board::FreeBodyDescription::Shape::kBox;
+  auto p_WF = body.X_WF.translation();
+  const double half_m = 0.5 * (is_box ? body.size_m.z() : body.size_m.x());
+  p_WF.z() = kStart_m;
+  for (int i = 0; i < kSteps; ++i) {
+    const double gap_m = sim_board::height_above(ground, Eigen::Vector3d(p_WF)) - half_m;
+    if (!std::isfinite(gap_m)) return body;
+    p_WF.z() -= gap_m;
+  }
+  return body;
+}
+
+}  // namespace
 
 sim_board::BoardOptions board_options(const Scenario& scenario, const sim_board::RobotDescription& robot) {
   sim_board::BoardOptions options;
@@ -27,6 +50,8 @@ sim_board::BoardOptions board_options(const Scenario& scenario, const sim_board:
   world.fixed_base = scenario.initial.fixed_base;
   world.ground = make_ground(scenario.ground, scenario.seed);
   for (const NamedMaterialPair& named : scenario.materials) world.material_pairs.push_back(named.pair);
+  for (const FreeBody& body : scenario.bodies)
+    world.free_bodies.push_back(body.on_ground ? lain_on_ground(body.body, world.ground) : body.body);
   world.joint_positions_rad.assign(robot.joints.size(), 0.0);
   for (const InitialJoint& joint : scenario.initial.joints) {
     for (const auto& [index, sign] : robot.find_joints(joint.joint.text)) {
@@ -156,6 +181,8 @@ void ScenarioPlayer::cause(const Fault& fault) {
       return board_.electronics().overheat_drive(joint_of(fault));
     case Fault::Kind::kSupplyDrop:
       return board_.electronics().limit_supply(fault.highest_V);
+    case Fault::Kind::kBatteryDischarge:
+      return board_.electronics().discharge_battery(fault.open_circuit_V, fault.over_us);
     case Fault::Kind::kImuStop:
       return board_.electronics().set_imu_running(false);
     case Fault::Kind::kAnkleStop:
@@ -222,6 +249,7 @@ void ScenarioPlayer::mend(const Fault& fault) {
     // These faults have no end.
     case Fault::Kind::kEncoderBreak:
     case Fault::Kind::kDriveOverheat:
+    case Fault::Kind::kBatteryDischarge:
       return;
   }
 }

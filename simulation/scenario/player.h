@@ -46,6 +46,8 @@ class ScenarioPlayer final : private sim_board::StepListener {
   // Takes effect at the next advance(), like a command of the scenario at the present time.
   void command(Command command);
   void push(Push push);
+  // Sends a set of the joint target stream (OperatorPc::stream). It is not a part of commands().
+  void stream(const StreamSet& set) { operator_.stream(set); }
   // Writes a controller parameter by SDO; commands wait for it. `advance` throws SdoFailed if the controller
   // refuses it.
   void write(SdoWrite write) { operator_.write(std::move(write)); }

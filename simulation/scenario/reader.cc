@@ -26,6 +26,10 @@ bool has_purpose(const std::string& name) {
   return name == "stand" || std::ranges::find(motion::kMotionNames, name) != motion::kMotionNames.end();
 }
 
+// The parameter file with a purpose: the feedback of a robot that stands. Without it the robot stands by its
+// servos alone.
+constexpr const char* kStandingParameters = "standing";
+
 std::vector<MotionChoice> read_motions(const YamlMap& root, const fs::path& folder, const fs::path& robot,
                                        std::vector<std::string>& missing) {
   std::vector<MotionChoice> motions;
@@ -206,6 +210,17 @@ void add_parameters_of_file(const fs::path& file, std::vector<ParameterSetting>&
   yaml.finish();
 }
 
+void read_parameter_file(const YamlMap& root, const fs::path& folder, Scenario& scenario) {
+  if (!root.has("parameter_file")) return;
+  const YamlValue value = root.value("parameter_file");
+  if (value.text() == kStandingParameters && !has_robot_file(value, folder, scenario.robot)) {
+    scenario.missing_parameter_file = value.text();
+    return;
+  }
+  scenario.parameter_file = read_robot_file(value, folder, scenario.robot);
+  add_parameters_of_file(*scenario.parameter_file, scenario.parameters);
+}
+
 }  // namespace
 
 RobotParameters read_robot_parameters(const fs::path& robot) {
@@ -246,11 +261,10 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   scenario.physics = read_physics(root);
   scenario.ground = read_ground(root, folder);
   scenario.materials = read_materials(root);
+  scenario.bodies = read_bodies(root);
   scenario.initial = read_initial(root);
-  if (root.has("parameter_file")) {
-    scenario.parameter_file = read_robot_file(root.value("parameter_file"), folder, scenario.robot);
-    add_parameters_of_file(*scenario.parameter_file, scenario.parameters);
-  }
+  if (root.has("policy")) scenario.policy = read_robot_file(root.value("policy"), folder, scenario.robot);
+  read_parameter_file(root, folder, scenario);
   add_parameters(root, scenario.parameters);
   check_motion_names(scenario, root);
   scenario.commands = read_commands(root, motion_names(scenario));

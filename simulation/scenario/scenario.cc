@@ -8,6 +8,7 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "base/text/user_units.h"
+#include "simulation/scenario/paths.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -72,6 +73,8 @@ void check_fault(const Fault& fault, const sim_board::RobotDescription& robot) {
   if (fault.kind == Kind::kImuStop && !robot.imu) {
     throw error_at(fault.target, "a fault of an IMU", "a robot that has one");
   }
+  if (fault.kind == Kind::kBatteryDischarge && !robot.battery)
+    throw error_at(fault.target, "a fault of a battery", "a robot that has one");
   const bool has_ankle =
       fault.side == hal::Side::kLeft ? robot.left_ankle.has_value() : robot.right_ankle.has_value();
   if (fault.kind == Kind::kAnkleStop && !has_ankle) {
@@ -110,9 +113,10 @@ double half_sine_integral(double part) {
 
 const std::vector<std::string>& Fault::kind_names() {
   static const std::vector<std::string> kNames{
-      "drive_silent", "drive_power_loss", "encoder_break",   "drive_overheat",     "supply_drop",
-      "imu_stop",     "ankle_stop",       "controller_stop", "bus_unacknowledged", "bus_dominant",
-      "frames_lost",  "frames_corrupted", "frames_delayed",  "frames_doubled",     "babbling_node"};
+      "drive_silent",     "drive_power_loss",   "encoder_break",  "drive_overheat",
+      "supply_drop",      "battery_discharge",  "imu_stop",       "ankle_stop",
+      "controller_stop",  "bus_unacknowledged", "bus_dominant",   "frames_lost",
+      "frames_corrupted", "frames_delayed",     "frames_doubled", "babbling_node"};
   return kNames;
 }
 
@@ -133,8 +137,13 @@ std::vector<std::filesystem::path> input_files(const Scenario& scenario) {
   if (!scenario.robot_parameters.file.empty()) files.push_back(scenario.robot_parameters.file);
   for (const MotionChoice& motion : scenario.motions) files.push_back(motion.file);
   if (scenario.gait) files.push_back(scenario.gait->file);
+  if (scenario.policy) files.push_back(*scenario.policy);
   if (scenario.parameter_file) files.push_back(*scenario.parameter_file);
   return files;
+}
+
+void check(const Command& command, const sim_board::RobotDescription& robot) {
+  for (const StreamedJoint& streamed : command.stream) find_named(robot.joints, streamed.joint, "joint");
 }
 
 void check(const Push& push, const sim_board::RobotDescription& robot) {
@@ -150,12 +159,30 @@ std::vector<std::string> motion_names(const Scenario& scenario) {
   return names;
 }
 
+std::string left_out_text(const Scenario& scenario) {
+  std::string missing;
+  for (const std::string& motion : scenario.missing_motions)
+    missing += (missing.empty() ? "motion " : ", motion ") + motion;
+  if (!scenario.missing_parameter_file.empty())
+    missing += (missing.empty() ? "" : ", ") + ("parameter file " + scenario.missing_parameter_file);
+  if (missing.empty()) return {};
+  std::string text = robot_text(scenario.robot) + " lacks, and the run leaves out: " + missing;
+  if (scenario.robot_parameters.file.empty()) text += "; " + bring_up_remedy(scenario.robot);
+  return text;
+}
+
 void check(const Scenario& scenario, const sim_board::RobotDescription& robot) {
   std::set<int> set_before;
   for (const InitialJoint& joint : scenario.initial.joints) check_initial(joint, robot, set_before);
+  for (const Command& command : scenario.commands) check(command, robot);
   for (const Push& push : scenario.pushes) check(push, robot);
   for (const Fault& fault : scenario.faults) check_fault(fault, robot);
   check_materials(scenario, robot);
+  // Recordings tell links and bodies apart by their names.
+  for (const FreeBody& body : scenario.bodies)
+    if (robot.find_link(body.name.text))
+      throw error_at(body.name, "a body named as the robot's link " + one_line(body.name.text),
+                     "another name");
   check(scenario.robot_parameters, robot);
 }
 

@@ -110,6 +110,13 @@ struct NamedMaterialPair {
   sim_board::MaterialPair pair;
 };
 
+// A ball or box beside the robot, at rest or moving.
+struct FreeBody {
+  sim_board::FreeBodyDescription body;  // the pose without a height that the file leaves out
+  bool on_ground = false;               // its height is that at which it lies on the ground
+  SourcedName name;
+};
+
 struct Physics {
   std::uint64_t step_us = 1000;  // divides 1 ms
   sim_board::Stepper stepper = sim_board::Stepper::kLumped;
@@ -123,15 +130,30 @@ struct ParameterSetting {
   double value = 0.0;
 };
 
+// A joint of a stream of joint targets.
+struct StreamedJoint {
+  SourcedName joint;
+  double target_rad = 0.0;
+};
+
 // An operator's command to the controller.
 struct Command {
-  enum class Kind { kEnable, kPlay, kWalk, kStop, kGetUp, kEmergencyStop, kReset };
+  enum class Kind { kEnable, kPlay, kWalk, kStop, kGetUp, kEmergencyStop, kReset, kStream };
 
   std::uint64_t at_us = 0;
   Kind kind = Kind::kEnable;
   std::size_t motion = 0;  // for kPlay: index into Scenario::motions
   // For kWalk: m/s forward and to the left, rad/s counter-clockwise.
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  // For kStream: the operator repeats these targets until its next command; the other joints stay. Empty: it
+  // only begins the stream, whose sets somebody else sends.
+  std::vector<StreamedJoint> stream{};
+};
+
+// A set of the joint target stream (docs/decision/0041).
+struct StreamSet {
+  std::vector<double> targets_rad;            // by joint
+  std::vector<double> torque_limits_percent;  // likewise, 1 to 100; empty: as they are
 };
 
 // A force on a link during an interval.
@@ -158,6 +180,7 @@ struct Fault {
     kEncoderBreak,       // a drive loses its encoder
     kDriveOverheat,      // a motor's winding overheats
     kSupplyDrop,         // the supply voltage of all servos is limited
+    kBatteryDischarge,   // the battery's open-circuit voltage falls and stays low
     kImuStop,            // the IMU delivers no samples
     kAnkleStop,          // an ankle sensor delivers no samples
     kControllerStop,     // the firmware stops; the board continues
@@ -180,6 +203,8 @@ struct Fault {
   SourcedName target;
   hal::Side side = hal::Side::kLeft;  // for kAnkleStop
   double highest_V = 0.0;             // for kSupplyDrop
+  double open_circuit_V = 0.0;        // for kBatteryDischarge, `over_us` after at_us
+  std::uint64_t over_us = 0;          // for kBatteryDischarge
   sim_board::FrameFault frames;       // for frame faults; node and times are those above
   sim_board::Babble babble;           // for kBabblingNode; times as above
 
@@ -218,6 +243,8 @@ struct Scenario {
   std::vector<MotionChoice> motions;  // the index is the motion's number in the controller
   // Motions of the key `motions` with a purpose, such as `rise_prone`, that the robot does not have.
   std::vector<std::string> missing_motions{};
+  // Value of the key `parameter_file` if it is `standing` and the robot has no such file; else empty.
+  std::string missing_parameter_file{};
   std::optional<GaitChoice> gait;
   std::uint64_t duration_us = 0;
   std::uint64_t seed = 1;
@@ -228,7 +255,9 @@ struct Scenario {
   Physics physics;
   Ground ground;
   std::vector<NamedMaterialPair> materials;
+  std::vector<FreeBody> bodies;
   InitialState initial;
+  std::optional<std::filesystem::path> policy{};  // the image of a policy, for the factory's catalogue
   std::optional<std::filesystem::path> parameter_file;
   // The parameters of that file, then the scenario's own, written in this order before the first command. No
   // duplicate names.
@@ -245,6 +274,8 @@ std::vector<std::filesystem::path> input_files(const Scenario& scenario);
 // Throws InputError at the first error: a name that the robot does not have, a material that neither robot
 // nor ground uses, an initial joint position beyond the joint's limits, or parameters of another robot.
 void check(const Scenario& scenario, const sim_board::RobotDescription& robot);
+// Checks the joints of a command.
+void check(const Command& command, const sim_board::RobotDescription& robot);
 // Checks a single push.
 void check(const Push& push, const sim_board::RobotDescription& robot);
 // Checks a single fault.
@@ -253,5 +284,8 @@ void check(const Fault& fault, const sim_board::RobotDescription& robot);
 void check(const RobotParameters& parameters, const sim_board::RobotDescription& robot);
 // Returns the names of the motions for commands, in the order of the controller's numbers; a gait comes last.
 std::vector<std::string> motion_names(const Scenario& scenario);
+// Returns one line that names what the scenario would take from the folder of its robot and left out because
+// the robot does not have it, and the command that makes it. Empty if nothing is left out.
+std::string left_out_text(const Scenario& scenario);
 
 }  // namespace koboshi::simulation

@@ -124,6 +124,17 @@ void write_pose(ImageWriter& writer, const PoseSource& pose) {
   if (bits > 0) writer.u8(static_cast<std::uint8_t>(buffer));
 }
 
+// Returns the oldest version of the image that has these steps, so that motions which need nothing new keep
+// their bytes and play on older firmware.
+std::uint16_t version_of(const std::vector<motion::Step>& steps) {
+  const bool is_new = std::any_of(steps.begin(), steps.end(), [](const motion::Step& step) {
+    const auto move = motion::Move::of(step);
+    return step.opcode == motion::Opcode::kMove &&
+           (move.at_least || move.interpolation > motion::Interpolation::kCubic);
+  });
+  return is_new ? motion::kAtLeastVersion : motion::kOldestMotionVersion;
+}
+
 std::vector<std::byte> make_image(const MotionSource& motion, const NamedModel& robot, const PoseTable& table,
                                   const LoweredMotion& lowered) {
   ImageWriter writer;
@@ -149,7 +160,7 @@ std::vector<std::byte> make_image(const MotionSource& motion, const NamedModel& 
     writer.u16(step.operand);
     writer.u32(step.value);
   }
-  return writer.finish(motion::kMotionMagic, motion::kMotionVersion);
+  return writer.finish(motion::kMotionMagic, version_of(lowered.steps));
 }
 
 // Returns the place of an error that the firmware's validator found.

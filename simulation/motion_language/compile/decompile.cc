@@ -21,7 +21,7 @@ namespace {
 
 using motion::Opcode;
 
-constexpr std::array<std::string_view, 3> kInterpolations{"linear", "minimum_jerk", "cubic"};
+constexpr std::array<std::string_view, 4> kInterpolations{"linear", "minimum_jerk", "cubic", "trapezoid"};
 constexpr std::array<std::string_view, 6> kComparisonTexts{"==", "!=", "<", "<=", ">", ">="};
 constexpr std::array<std::string_view, 8> kSetTexts{"", "+= ", "-= ", "*= ", "/= ", "%= ", "min= ", "max= "};
 // Decimals of an angle of 14 bit: its resolution is 0.022 degrees.
@@ -180,7 +180,7 @@ class Decompiler {
     if (move.by_speed) {
       text += "speed_deg_per_s: " + number_text(move.value * 360.0 / (1 << 24));
     } else {
-      text += "time_s: " + seconds(move.value);
+      text += (move.at_least ? "at_least_s: " : "time_s: ") + seconds(move.value);
     }
     if (move.interpolation != motion::Interpolation::kLinear)
       text += fmt::format(", interpolation: {}",

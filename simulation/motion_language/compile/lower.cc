@@ -160,7 +160,8 @@ class Lowering {
     const motion::Move move{.interpolation = step.interpolation,
                             .by_speed = by_speed,
                             .pose = pose.value_or(0),
-                            .value = by_speed ? step.speed_raw : step.time_us};
+                            .value = by_speed ? step.speed_raw : step.time_us,
+                            .at_least = step.at_least};
     add(pose ? move.step() : motion::Step{Opcode::kWait, 0, step.time_us, 0}, step.place);
     if (step.pause_us > 0) add({Opcode::kWait, 0, step.pause_us, 0}, step.place);
     settings_.end_move(step, next, program_);

@@ -13,8 +13,9 @@
 namespace koboshi::simulation {
 namespace {
 
-// Peak speed over mean speed: linear, minimum jerk (Flash and Hogan 1985), and a cubic from rest to rest.
-constexpr std::array<double, 3> kPeakRatios{1.0, 15.0 / 8.0, 3.0 / 2.0};
+// Peak speed over mean speed: linear, minimum jerk (Flash and Hogan 1985), a cubic from rest to rest, and a
+// trapezoid.
+constexpr std::array<double, 4> kPeakRatios{1.0, 15.0 / 8.0, 3.0 / 2.0, 3.0 / 2.0};
 constexpr double kSpeedUnit_rad_per_s = 2.0 * std::numbers::pi / (1 << 24);
 
 // Bounds the work for nested loops, each of which is walked twice.
@@ -88,7 +89,7 @@ class SpeedCheck {
     const double time_s = time_of(step, pose);
     for (std::size_t i = 0; i < angles_.size(); ++i) {
       if (!pose.angles[i]) continue;
-      if (angles_[i]) check_joint(step, i, distance_rad(i, pose), time_s);
+      if (angles_[i] && !step.at_least) check_joint(step, i, distance_rad(i, pose), time_s);
       angles_[i] = pose.angles[i];
     }
   }

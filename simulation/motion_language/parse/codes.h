@@ -44,5 +44,6 @@ inline constexpr const char* kTooMany = "M041";          // poses, steps, groups
 inline constexpr const char* kRefused = "M042";          // rejected by the firmware's validator
 inline constexpr const char* kUnused = "M050";           // warning
 inline constexpr const char* kLeanWithoutLegs = "M051";  // warning
+inline constexpr const char* kClamped = "M052";          // warning
 
 }  // namespace koboshi::simulation::code

@@ -28,7 +28,8 @@ struct StepKeys {
 
 const std::vector<StepKeys> kStepKeys{
     {"pose",
-     {"time_s", "speed_deg_per_s", "interpolation", "pause_s", "mirror", "lean", "stiffness", "mix"},
+     {"time_s", "speed_deg_per_s", "at_least_s", "interpolation", "pause_s", "mirror", "lean", "stiffness",
+      "mix"},
      1},
     {"loop", {}},
     {"expect", {}},
@@ -50,11 +51,12 @@ const std::vector<StepKeys> kStepKeys{
 }  // namespace
 
 std::optional<motion::Interpolation> parse_interpolation(const YamlNode& node, Reader& reader) {
-  const auto name = reader.one_of(node, {"linear", "minimum_jerk", "cubic"});
+  const auto name = reader.one_of(node, {"linear", "minimum_jerk", "cubic", "trapezoid"});
   if (!name) return std::nullopt;
   return *name == "linear"         ? motion::Interpolation::kLinear
          : *name == "minimum_jerk" ? motion::Interpolation::kMinimumJerk
-                                   : motion::Interpolation::kCubic;
+         : *name == "cubic"        ? motion::Interpolation::kCubic
+                                   : motion::Interpolation::kTrapezoid;
 }
 
 std::vector<StepSource> StepParser::parse(const YamlNode& list) {
@@ -209,27 +211,43 @@ bool StepParser::parse_move(const YamlNode& map, const YamlNode& value, StepSour
   }
   const auto pose = poses_.pose_of_step(value, mirrored);
   step.pose = pose.value_or(0);
-  const YamlNode* speed = map.find("speed_deg_per_s");
-  if (speed != nullptr && map.find("time_s") != nullptr) {
-    reader_.error(code::kContradiction, Reader::key_place(*speed), "time_s and speed_deg_per_s in one step",
-                  "one of them");
-  } else if (speed != nullptr) {
-    // The range is that of the image.
-    if (const auto number = reader_.number(*speed, {.min = 0.00001, .max = 92'160.0})) {
-      step.speed_raw = static_cast<std::uint32_t>(
-          std::clamp<std::int64_t>(std::llround(*number / kDegreesPerTurn * kSpeedUnits), 1, 0xFFFF'FFFF));
-    }
-  } else {
-    step.time_us = time_us(map, "time_s").value_or(0);
-  }
   if (const YamlNode* node = map.find("interpolation")) {
     if (const auto interpolation = parse_interpolation(*node, reader_)) step.interpolation = *interpolation;
   }
+  parse_timing(map, step);
   if (map.find("pause_s") != nullptr) step.pause_us = time_us(map, "pause_s").value_or(0);
   if (const YamlNode* node = map.find("stiffness")) settings_.stiffness(*node, step.stiffness);
   if (const YamlNode* node = map.find("mix")) settings_.mix(*node, step.mix);
   if (const YamlNode* node = map.find("lean")) settings_.lean(*node, step.lean);
   return pose && reader_.diagnostics().error_count() == errors;
+}
+
+// Parses the one of time_s, speed_deg_per_s and at_least_s that the move has.
+void StepParser::parse_timing(const YamlNode& map, StepSource& step) {
+  const YamlNode* first = nullptr;
+  for (const char* key : {"time_s", "speed_deg_per_s", "at_least_s"}) {
+    const YamlNode* node = map.find(key);
+    if (node == nullptr) continue;
+    if (first != nullptr) {
+      reader_.error(code::kContradiction, Reader::key_place(*node),
+                    first->key + " and " + key + " in one step", "one of them");
+      return;
+    }
+    first = node;
+  }
+  if (first == nullptr || first->key == "time_s") {
+    step.time_us = time_us(map, "time_s").value_or(0);
+  } else if (first->key == "at_least_s") {
+    step.at_least = true;
+    step.time_us = time_us(map, "at_least_s").value_or(0);
+    if (step.interpolation == motion::Interpolation::kCubic)
+      reader_.error(code::kContradiction, Reader::key_place(*first), "at_least_s in a cubic move",
+                    "another interpolation: the peak speed of a cubic depends on the next move");
+    // The range is that of the image.
+  } else if (const auto number = reader_.number(*first, {.min = 0.00001, .max = 92'160.0})) {
+    step.speed_raw = static_cast<std::uint32_t>(
+        std::clamp<std::int64_t>(std::llround(*number / kDegreesPerTurn * kSpeedUnits), 1, 0xFFFF'FFFF));
+  }
 }
 
 bool StepParser::parse_loop(const YamlNode& value, StepSource& step) {

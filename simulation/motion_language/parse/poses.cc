@@ -147,15 +147,31 @@ void PoseBuilder::mirror(const YamlNode& user, Angles& angles) {
   for (std::size_t i = 0; i < angles.size(); ++i) {
     if (!angles[i]) continue;
     const robot::Joint& limits = joints_.robot().model.joints[i];
-    const Angle clamped = robot::clamp_to_limits(limits, *angles[i]);
-    if (std::abs(degrees(*angles[i]) - degrees(clamped)) > kLimitTolerance_deg) {
-      reader_.error(code::kBeyondLimits, Reader::value_place(user),
-                    degrees_text(fixed::to_double(*angles[i])) + " degrees for " + joints_.name(i) +
-                        " in the mirror image",
-                    limit_text(limits), {}, "the limits of " + joints_.name(i));
-    }
-    angles[i] = clamped;
+    static_cast<void>(
+        is_within_limits(Reader::value_place(user), i, degrees(*angles[i]), " in the mirror image"));
+    angles[i] = robot::clamp_to_limits(limits, *angles[i]);
   }
+}
+
+// Returns whether the angle is within the joint's limits, or beyond one by less than a step of its encoder,
+// as a pose that was read from the robot at its stop can be: of that it warns.
+bool PoseBuilder::is_within_limits(const Place& place, std::size_t joint, double angle_deg,
+                                   const std::string& where) {
+  const robot::Joint& limits = joints_.robot().model.joints[joint];
+  const double beyond_deg = std::max(degrees(limits.lower) - angle_deg, angle_deg - degrees(limits.upper));
+  if (beyond_deg <= kLimitTolerance_deg) return true;
+  const std::string& name = joints_.name(joint);
+  const std::string found = number_text(std::round(angle_deg * 1e4) / 1e4) + " degrees for " + name + where;
+  if (beyond_deg < joints_.robot().encoder_steps_rad[joint] * kDegreesPerRad) {
+    reader_.diagnostics().add({.code = code::kClamped,
+                               .severity = Severity::kWarning,
+                               .place = place,
+                               .found = found + ", less than a step of its encoder beyond the limit",
+                               .expected = limit_text(limits) + "; the limit is taken"});
+    return true;
+  }
+  reader_.error(code::kBeyondLimits, place, found, limit_text(limits), {}, "the limits of " + name);
+  return false;
 }
 
 // Sets one joint by its name, or both sides by the name without the side; the right joint then mirrors the
@@ -190,13 +206,7 @@ void PoseBuilder::set_angle(const YamlNode& item, std::size_t joint, double angl
                   "a joint of the list `joints` of this file");
     return;
   }
-  if (angle_deg < degrees(limits.lower) - kLimitTolerance_deg ||
-      angle_deg > degrees(limits.upper) + kLimitTolerance_deg) {
-    reader_.error(code::kBeyondLimits, Reader::value_place(item),
-                  number_text(angle_deg) + " degrees for " + name, limit_text(limits), {},
-                  "the limits of " + name);
-    return;
-  }
+  if (!is_within_limits(Reader::value_place(item), joint, angle_deg, "")) return;
   pose.angles[joint] = robot::clamp_to_limits(limits, fixed::from_double<Angle>(angle_deg * kRadPerDegree));
 }
 

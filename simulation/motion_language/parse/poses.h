@@ -42,6 +42,7 @@ class PoseBuilder {
   Target read_target(const YamlNode& map, const std::string& key, bool with_angles);
   bool check_targets(const YamlNode& map, const BodyTargets& targets);
   void report_unreached(const YamlNode& map, const BodySolution& solution);
+  bool is_within_limits(const Place& place, std::size_t joint, double angle_deg, const std::string& where);
   void mirror(const YamlNode& user, Angles& angles);
   std::size_t add(PoseSource pose);
 

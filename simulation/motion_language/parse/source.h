@@ -86,6 +86,7 @@ struct StepSource {
   std::size_t pose = 0;         // kMove: index of a pose
   std::uint32_t time_us = 0;    // kMove, kWait, kAwait (time-out)
   std::uint32_t speed_raw = 0;  // kMove: peak speed in 2^-24 turn/s; 0: `time_us` counts
+  bool at_least = false;        // kMove: `time_us` is the least time; each joint's speed limit may take more
   motion::Interpolation interpolation = motion::Interpolation::kLinear;  // kMove
   std::uint32_t pause_us = 0;                                            // kMove; 0: none
   LoopKind loop = LoopKind::kTimes;

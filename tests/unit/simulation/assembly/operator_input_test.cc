@@ -41,9 +41,8 @@ TEST_F(OperatorInput, AcceptsTheKeysOfAScenario) {
 
 TEST_F(OperatorInput, RejectsWhatAScenarioMayNotContain) {
   EXPECT_EQ(error_of([&] { command(simulation_, "wlk: {}"); }),
-            "commands:1: found the unknown command wlk, expected enable, play, walk, stop, get_up, "
-            "emergency_stop or "
-            "reset; the nearest is walk");
+            "commands:1: found the unknown command wlk, expected enable, play, walk, stop, stream, get_up, "
+            "emergency_stop or reset; the nearest is walk");
   EXPECT_EQ(error_of([&] { command(simulation_, "walk: {forwards: 1}"); }).substr(0, 9), "commands:");
   EXPECT_EQ(error_of([&] { command(simulation_, "{at_s: 3, stop: true}"); }),
             "commands: found a time (at_s), expected none: it begins now");

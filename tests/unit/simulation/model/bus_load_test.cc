@@ -10,9 +10,9 @@ namespace {
 // The figures of docs/design/timing.md.
 TEST(BusLoad, OfTwentyDrives) {
   const BusLoad load = bus_load(20, false);
-  EXPECT_NEAR(load.shortest, 0.508, 0.001);
-  EXPECT_NEAR(load.longest, 0.616, 0.001);
-  EXPECT_DOUBLE_EQ(load.frames_per_s, 5058.0);
+  EXPECT_NEAR(load.shortest, 0.522, 0.001);
+  EXPECT_NEAR(load.longest, 0.633, 0.001);
+  EXPECT_DOUBLE_EQ(load.frames_per_s, 5178.0);
 }
 
 TEST(BusLoad, OfSensorsOnTheBus) {
@@ -34,6 +34,28 @@ TEST(BusLoad, LimitsTheNumberOfDrives) {
   EXPECT_GT(bus_load(32, false).longest, kMaxBusLoad);
   EXPECT_LE(bus_load(26, true).longest, kMaxBusLoad);
   EXPECT_GT(bus_load(27, true).longest, kMaxBusLoad);
+}
+
+// A set of 20 targets is five full frames and the counter.
+TEST(StreamLoad, OfTwentyDrives) {
+  const BusLoad load = stream_load(20, 100.0);
+  EXPECT_NEAR(load.longest, 0.074, 0.0001);
+  EXPECT_DOUBLE_EQ(load.frames_per_s, 600.0);
+  EXPECT_DOUBLE_EQ(stream_load(21, 50.0).frames_per_s, 350.0);
+}
+
+// The table of docs/design/timing.md.
+TEST(StreamLoad, LimitsTheRateOfSets) {
+  EXPECT_DOUBLE_EQ(max_stream_rate_Hz(22, true), 100.0);
+  EXPECT_DOUBLE_EQ(max_stream_rate_Hz(23, true), 50.0);
+  EXPECT_NEAR(max_stream_rate_Hz(24, true), 33.3, 0.1);
+  EXPECT_NEAR(max_stream_rate_Hz(25, true), 14.3, 0.1);
+  EXPECT_DOUBLE_EQ(max_stream_rate_Hz(26, true), 0.0);
+  EXPECT_DOUBLE_EQ(max_stream_rate_Hz(27, false), 100.0);
+  EXPECT_DOUBLE_EQ(max_stream_rate_Hz(28, false), 50.0);
+  EXPECT_NEAR(max_stream_rate_Hz(29, false), 33.3, 0.1);
+  EXPECT_DOUBLE_EQ(max_stream_rate_Hz(30, false), 20.0);
+  EXPECT_DOUBLE_EQ(max_stream_rate_Hz(31, false), 0.0);
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
+#include <numbers>
 #include <set>
 #include <sstream>
 
 #include "base/text/text.h"
+#include "firmware/fixed/host/convert.h"
 #include "firmware/motion/instructions.h"
 #include "simulation/motion_language/compile/decompile.h"
 #include "simulation/motion_language/parse/joints.h"
@@ -152,6 +154,24 @@ TEST(MotionLanguage, WarnsOfALeanThatAMotionWithoutLegsDeclares) {
   };
   EXPECT_EQ(codes("head_tilt"), "M051");
   EXPECT_EQ(codes("left_knee"), "");
+}
+
+// A 12-bit encoder has steps of 0.0879 degrees; the knee goes from 0 to 150 degrees.
+TEST(MotionLanguage, TakesTheLimitForAnAngleLessThanAnEncoderStepBeyondIt) {
+  const auto compiled = [](const std::string& angles) {
+    return compile_text(version_2("steps: [{pose: {" + angles + "}, time_s: 1}]\n"));
+  };
+  const std::size_t knee = *JointNames(koboshi_model()).find("left_knee");
+  for (const auto& [angle, limit_deg] : {std::pair{"left_knee: -0.08", 0.0}, {"left_knee: 150.08", 150.0}}) {
+    const Compiled accepted = compiled(angle);
+    EXPECT_EQ(accepted.codes(), "M052") << angle;
+    EXPECT_THAT(accepted.messages(), HasSubstr("less than a step of its encoder beyond the limit"));
+    ASSERT_FALSE(accepted.motion.image.empty());
+    EXPECT_NEAR(fixed::to_double(*accepted.source.poses.back().angles[knee]) * 180.0 / std::numbers::pi,
+                limit_deg, 1e-4);
+  }
+  EXPECT_EQ(compiled("left_knee: -0.09").codes(), "M012");
+  EXPECT_EQ(compiled("left_knee: 150.09").codes(), "M012");
 }
 
 TEST(MotionLanguage, TakesSettingsOfAStepBack) {

@@ -22,7 +22,7 @@ class RandomProgram {
 
   std::string text() {
     std::string text = "version: 2\nrobot: koboshi\nname: r\nvariables: {a: 0, b: -7, c: 2147483647}\n";
-    if (flip()) text += "interpolation: " + one_of("linear", "minimum_jerk", "cubic") + "\n";
+    if (flip()) text += "interpolation: " + one_of("linear", "minimum_jerk", "trapezoid") + "\n";
     const bool has_exit = flip();
     if (has_exit) text += "exit: way_out\n";
     text += "poses:\n  p0: {others: zero}\n";
@@ -117,9 +117,13 @@ class RandomProgram {
     std::string text = below(4) == 0
                            ? fmt::format("{{pose: {{head_pan: {}, left_elbow: -{}}}, ", below(60), below(90))
                            : fmt::format("{{pose: p{}, ", below(pose_count_));
-    text += flip() ? fmt::format("time_s: {}.{:06}", 2 + below(50), below(1'000'000))
-                   : fmt::format("speed_deg_per_s: {}.{:04}", below(60), 1 + below(9'999));
-    if (flip()) text += ", interpolation: " + one_of("linear", "minimum_jerk", "cubic");
+    const bool at_least = below(4) == 0;
+    text += at_least ? fmt::format("at_least_s: 0.{:03}", 1 + below(999))
+            : flip() ? fmt::format("time_s: {}.{:06}", 2 + below(50), below(1'000'000))
+                     : fmt::format("speed_deg_per_s: {}.{:04}", below(60), 1 + below(9'999));
+    if (flip())
+      text += ", interpolation: " + (at_least ? one_of("linear", "minimum_jerk", "trapezoid")
+                                              : one_of("linear", "minimum_jerk", "cubic", "trapezoid"));
     if (flip()) text += ", pause_s: 0.5";
     if (below(3) == 0) text += ", mirror: true";
     if (below(3) == 0) text += ", lean: {pitch_deg: 12.5}";

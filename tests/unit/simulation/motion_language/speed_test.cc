@@ -86,9 +86,33 @@ TEST_P(MoveSpeeds, AreThoseOfTheFastestJointWhenPlayed) {
   }
 }
 
+TEST_P(MoveSpeeds, OfALeastTimeAreNeverTooFast) {
+  if (std::string(GetParam().name) == "cubic") {
+    EXPECT_EQ(codes(kFromZero, "at_least_s: 0.001"), "M026");
+    return;
+  }
+  EXPECT_EQ(codes(kFromZero, "at_least_s: 0.001"), "");
+  EXPECT_EQ(codes(kFromZero, "at_least_s: 0.001, time_s: 1"), "M026");
+  EXPECT_EQ(codes(kFromZero, "at_least_s: 0.001, speed_deg_per_s: 1"), "M026");
+  EXPECT_EQ(codes(kFromZero, "at_least_s: 61"), "M004");
+}
+
+// The image has the oldest version that can say it, so that motions without the new keys keep their bytes.
+TEST(ImageVersion, IsTheOldestThatHasTheSteps) {
+  const auto version = [](const std::string& step) {
+    const Compiled compiled = compile_text(version_2("steps: [{pose: bend, " + step + "}]\n"));
+    EXPECT_EQ(compiled.messages(), "");
+    return std::to_integer<int>(compiled.motion.image.at(4));
+  };
+  EXPECT_EQ(version("time_s: 1"), 2);
+  EXPECT_EQ(version("time_s: 1, interpolation: cubic"), 2);
+  EXPECT_EQ(version("at_least_s: 1"), 3);
+  EXPECT_EQ(version("time_s: 1, interpolation: trapezoid"), 3);
+}
+
 INSTANTIATE_TEST_SUITE_P(Interpolations, MoveSpeeds,
                          testing::Values(Curve{"linear", 1.0}, Curve{"minimum_jerk", 15.0 / 8.0},
-                                         Curve{"cubic", 1.5}),
+                                         Curve{"cubic", 1.5}, Curve{"trapezoid", 1.5}),
                          [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace

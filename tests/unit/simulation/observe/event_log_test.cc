@@ -289,6 +289,47 @@ TEST_F(EventLogTest, ReportsALowSupply) {
   change(State::kLowBattery, Reason::kSupplyLow);
   EXPECT_THAT(event_of("low_supply").text, HasSubstr("The supply is low"));
   EXPECT_EQ(log_.posture(), "stands, its supply low");
+  EXPECT_THAT(event_of("low_supply").text, HasSubstr("no motion sit"));
+}
+
+TEST_F(EventLogTest, ReportsThatTheRobotSitsDownForItsSupply) {
+  play_until(0.1);
+  change(State::kWalking, Reason::kCommand);
+  change(State::kSittingDown, Reason::kSupplyLow);
+  EXPECT_EQ(event_of("low_supply").text, "The supply is low: slows down, stops and sits down.");
+  EXPECT_EQ(log_.posture(), "sits down, its supply low");
+  change(State::kLimp, Reason::kSupplyLow);
+  EXPECT_EQ(event_of("sits").text, "Sits, and is limp: supply low.");
+  truth_.tilt_rad = 0.7;  // it leans on its hands
+  play_until(1.0);
+  EXPECT_EQ(log_.posture(), "sits, its supply low");
+  EXPECT_THAT(log_.verdict(), testing::Not(HasSubstr("cut off")));
+  truth_.tilt_rad = 1.2;
+  play_until(1.1);
+  EXPECT_THAT(log_.posture(), HasSubstr("lies"));
+}
+
+TEST_F(EventLogTest, ReportsAStreamOfTargets) {
+  play_until(0.1);
+  const auto last_text = [&] {
+    const auto events = log_.events();
+    return events[events.size() - 2].text;  // before the sentence about the end
+  };
+  change(State::kStreaming, Reason::kCommand);
+  EXPECT_EQ(last_text(), "Follows a stream of joint targets.");
+  change(State::kStanding, Reason::kProgress);
+  EXPECT_EQ(last_text(), "Stands: the stream of targets has ended.");
+  change(State::kStreaming, Reason::kCommand);
+  change(State::kSittingDown, Reason::kSupplyLow);
+  EXPECT_EQ(event_of("low_supply").text, "The supply is low: returns to the standing pose and sits down.");
+}
+
+TEST_F(EventLogTest, ReportsAPoseThatIsNoSeat) {
+  play_until(0.1);
+  change(State::kSittingDown, Reason::kSupplyLow);
+  change(State::kLowBattery, Reason::kSupplyLow);
+  EXPECT_THAT(event_of("low_supply").text, HasSubstr("sits down"));
+  EXPECT_THAT(log_.events().back().text, HasSubstr("its supply low"));
 }
 
 TEST_F(EventLogTest, ReportsPushesFaultsAndTheStand) {

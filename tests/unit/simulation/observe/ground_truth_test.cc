@@ -34,6 +34,21 @@ TEST_F(Truth, PoseHeightIsThatOfTheTrunkAboveTheSoles) {
   EXPECT_NEAR(observer_.observe(world_, bent).pose_height_m, 0.04 + 2 * 0.065 * std::cos(0.5), 1e-6);
 }
 
+// A robot that walks down a slope is no nearer to the ground than before.
+TEST_F(Truth, HeightIsAboveTheGroundBelowTheTrunk) {
+  const double slope_rad = 0.04;
+  const Eigen::Vector3d normal_W(std::sin(slope_rad), 0.0, std::cos(slope_rad));
+  sim_board::GroundDescription ground;
+  ground.normal_W = normal_W;
+  TruthObserver on_slope(robot_, ground);
+  const double x_m = 3.0;
+  world_.pose(Eigen::Isometry3d(Eigen::Translation3d(x_m, 0.0, 0.17 - x_m * std::tan(slope_rad))));
+  EXPECT_NEAR(on_slope.observe(world_, telemetry_).height_m, 0.17 * std::cos(slope_rad), 1e-9);
+  ground.present = false;
+  TruthObserver without_ground(robot_, ground);
+  EXPECT_NEAR(without_ground.observe(world_, telemetry_).height_m, 0.17 - x_m * std::tan(slope_rad), 1e-12);
+}
+
 TEST_F(Truth, TiltAndAnglesAreThoseOfTheTrunk) {
   world_.pose(Eigen::Translation3d(0.0, 0.0, 0.17) * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()) *
               Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY()) *

@@ -17,7 +17,7 @@ using behaviour::State;
 GroundTruth upright() {
   GroundTruth truth;
   truth.pose_height_m = 0.25;
-  truth.p_WB_W.z() = 0.25;
+  truth.height_m = 0.25;
   return truth;
 }
 
@@ -48,7 +48,7 @@ TEST(Posture, StandsStillOnlyUprightHighAndAtRest) {
   leans.tilt_rad = kUpright_rad;
   EXPECT_FALSE(stands_still(leans));
   GroundTruth sits = upright();
-  sits.p_WB_W.z() = 0.19;
+  sits.height_m = 0.19;
   EXPECT_FALSE(stands_still(sits));
   GroundTruth turns = upright();
   turns.w_WB_W.z() = kStill_rad_per_s;

@@ -1,6 +1,7 @@
 """The Python module: arrays, commands, errors, repeatability, threads, and its type stubs."""
 
 import ast
+import csv
 import json
 import pathlib
 import subprocess
@@ -112,6 +113,145 @@ class Simulation(unittest.TestCase):
         sim.push(np.array([0.0, 30.0, 0.0]), 0.2, link="left_hand" if "left_hand" in sim.link_names else sim.link_names[-1])
         sim.step(200)
         self.assertGreater(np.abs(sim.truth().link_position_m - before).max(), 1e-3)
+
+
+def standing():
+    sim = go(set={"commands": [{"at_s": 2, "enable": True}], "initial.held_until_s": 60})
+    sim.step(3000)
+    assert sim.state().state == "standing"  # and has rested for a second before
+    return sim
+
+
+class Stream(unittest.TestCase):
+    def test_moves_a_joint_and_returns_without_sets(self):
+        sim = standing()
+        pose = sim.state().joint_target_rad
+        joint = sim.joint_names.index("left_shoulder_roll")
+        targets = pose.copy()
+        targets[joint] += 0.3
+        sim.command("stream")
+        for _ in range(20):
+            sim.stream(targets)
+            sim.step(10)
+        self.assertEqual(sim.state().state, "streaming")
+        self.assertAlmostEqual(sim.state().joint_target_rad[joint], targets[joint], delta=1e-4)
+        self.assertAlmostEqual(sim.state().joint_position_rad[joint], targets[joint], delta=0.02)
+        others = np.arange(len(pose)) != joint
+        np.testing.assert_allclose(sim.state().joint_target_rad[others], pose[others], atol=1e-4)
+        sim.step(1500)
+        self.assertEqual(sim.state().state, "standing")
+        np.testing.assert_allclose(sim.state().joint_target_rad, pose, atol=2e-3)  # the feedback is on again
+
+    def test_limits_torques(self):
+        moved_rad = []
+        for limit_percent in (100, 2):
+            sim = standing()
+            pose = sim.state().joint_target_rad
+            limits = np.full(len(pose), 100.0)
+            joint = sim.joint_names.index("left_shoulder_pitch")
+            limits[joint] = limit_percent
+            sim.command("stream")
+            sim.step(10)
+            for cycle in range(100):
+                if cycle == 60:
+                    sim.push([2, 0, 0], 0.4, link="left_forearm")
+                sim.stream(pose, limits)
+                sim.step(10)
+            moved_rad.append(np.abs(sim.state().joint_position_rad[joint] - pose[joint]))
+        self.assertLess(moved_rad[0], 0.1)
+        self.assertGreater(moved_rad[1], 0.3)
+
+    def test_has_the_same_bits_after_a_snapshot(self):
+        sim = standing()
+        pose = sim.state().joint_target_rad
+        sim.command("stream")
+        sim.step(20)
+        snapshot, hashes = sim.snapshot(), []
+        for _ in range(2):
+            sim.restore(snapshot)
+            for step in range(5):
+                sim.stream(pose + 0.01 * step)
+                sim.step(10)
+            hashes.append(sim.state_hash)
+        self.assertEqual(*hashes)
+
+    def test_is_held_by_the_operator_of_a_scenario(self):
+        commands = [{"at_s": 2, "enable": True}, {"at_s": 3, "stream": {"joints_deg": {"head_pan": 20}}}, {"at_s": 4, "stop": True}]
+        sim = go(set={"commands": commands, "initial.held_until_s": 60})
+        run = sim.record(5500)
+        angle_deg = np.degrees(run["joint_target_rad"][:, sim.joint_names.index("head_pan")])
+        self.assertEqual(run["state_name"][389], "streaming")
+        self.assertAlmostEqual(angle_deg[389], 20, delta=0.01)
+        self.assertEqual(run["state_name"][-1], "standing")
+        self.assertEqual(angle_deg[-1], angle_deg[290])
+        self.assertFalse(any("Emergency" in text for _, text in sim.events()))
+
+    def test_of_many_worlds_takes_a_set_for_each(self):
+        sims = koboshi.Simulations(GO, seeds=[1, 2], stepper="lumped",
+                                   set={"commands": [{"at_s": 2, "enable": True}], "initial.held_until_s": 60})
+        sims.step(3000)
+        targets = sims.state().joint_target_rad
+        joint = sims.joint_names.index("head_pan")
+        targets[:, joint] = [0.1, -0.1]
+        sims.command("stream")
+        for _ in range(10):
+            sims.stream(targets)
+            sims.step(10)
+        np.testing.assert_allclose(sims.state().joint_target_rad[:, joint], [0.1, -0.1], atol=1e-4)
+        with self.assertRaisesRegex(ValueError, "found 3 sets, expected 2"):
+            sims.stream(np.zeros((3, targets.shape[1])))
+
+    def test_refuses_sets_of_another_robot(self):
+        sim = go()
+        joints = len(sim.joint_names)
+        for bad in ([0.0], [float("nan")] * joints):
+            with self.assertRaisesRegex(ValueError, f"expected {joints} finite numbers"):
+                sim.stream(bad)
+        with self.assertRaisesRegex(koboshi.InputError, "unknown joint nose"):
+            sim.command("stream", joints_deg={"nose": 1})
+
+
+class Record(unittest.TestCase):
+    def test_has_the_rows_of_the_recording(self):
+        with tempfile.TemporaryDirectory() as out:
+            subprocess.run([PROGRAM, "run", GO, "--stepper", "lumped", "--duration", "1", "--seed", "3", "--out", f"{out}/run"],
+                           cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+            lines = pathlib.Path(out, "run/trace.csv").read_text().splitlines()
+        rows = list(csv.DictReader(lines))
+        sim = go(seed=3)
+        run = sim.record(1000)
+        self.assertEqual(run.shape, (100,))
+        self.assertEqual(len(rows), 100)
+        by_joint = {"joint_target_rad", "joint_encoder_rad", "joint_true_rad", "joint_torque_permille"}
+        self.assertEqual([name for name in run.dtype.names if name not in by_joint],
+                         [name for name in rows[0] if not any(name.startswith(joint) for joint in sim.joint_names)])
+        for at in (0, 70, 99):
+            for name in run.dtype.names:
+                if name in by_joint:
+                    wanted = [float(rows[at][joint + name.removeprefix("joint")]) for joint in sim.joint_names]
+                    np.testing.assert_array_equal(run[name][at], wanted)
+                elif run.dtype[name].kind == "U":
+                    self.assertEqual(run[name][at], rows[at][name])
+                else:
+                    np.testing.assert_equal(float(run[name][at]), float(rows[at][name] or "nan"))
+
+    def test_goes_on_and_changes_nothing(self):
+        sim, other = go(seed=1), go(seed=1)
+        first, second = sim.record(105), sim.record(20)
+        other.step(125)
+        self.assertEqual(sim.state_hash, other.state_hash)
+        np.testing.assert_allclose(np.concatenate([first["time_s"], second["time_s"]]), 0.01 * np.arange(1, 13), atol=1e-12)
+
+    def test_of_many_worlds_has_a_leading_dimension(self):
+        sims = koboshi.Simulations(GO, seeds=[4, 5], stepper="lumped")
+        runs = sims.record(100)
+        self.assertEqual(runs.shape, (2, 10))
+        self.assertEqual(runs[1].tobytes(), go(seed=5).record(100).tobytes())
+        sims.reset(1, 9)
+        sims.step(5)
+        sims.reset(0, 9)
+        with self.assertRaisesRegex(ValueError, "different times"):
+            sims.record(100)
 
 
 class Errors(unittest.TestCase):

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <vector>
 
 #include "tests/unit/simulation/scenario/scenario_text.h"
@@ -38,6 +39,22 @@ TEST(ScenarioReader, ReadsTheVelocityOfAWalk) {
   EXPECT_EQ(commands[0].kind, Command::Kind::kWalk);
   EXPECT_EQ(commands[0].velocity, Eigen::Vector3d::Zero());
   EXPECT_EQ(commands[1].velocity, Eigen::Vector3d(0.15, -0.05, 0.4));
+}
+
+TEST(ScenarioReader, ReadsTheJointsOfAStream) {
+  const TemporaryTree tree;
+  const std::vector<Command> commands = read(tree, std::string(kShort) + R"(commands:
+  - {at_s: 4, stream: {}}
+  - {at_s: 6, stream: {joints_deg: {head_pan: 90, left_knee: -180}}}
+)")
+                                            .commands;
+  ASSERT_EQ(commands.size(), 2u);
+  EXPECT_EQ(commands[0].kind, Command::Kind::kStream);
+  EXPECT_TRUE(commands[0].stream.empty());
+  ASSERT_EQ(commands[1].stream.size(), 2u);
+  EXPECT_EQ(commands[1].stream[0].joint.text, "head_pan");
+  EXPECT_NEAR(commands[1].stream[0].target_rad, std::numbers::pi / 2, 1e-12);
+  EXPECT_NEAR(commands[1].stream[1].target_rad, -std::numbers::pi, 1e-12);
 }
 
 TEST(ScenarioReader, ReadsPushes) {
@@ -75,6 +92,7 @@ TEST(ScenarioReader, ReadsEveryKindOfFault) {
       {"encoder_break, target: a", Fault::Kind::kEncoderBreak},
       {"drive_overheat, target: a", Fault::Kind::kDriveOverheat},
       {"supply_drop, supply_V: 3", Fault::Kind::kSupplyDrop},
+      {"battery_discharge, open_circuit_V: 5.5", Fault::Kind::kBatteryDischarge},
       {"imu_stop", Fault::Kind::kImuStop},
       {"ankle_stop, target: left", Fault::Kind::kAnkleStop},
       {"controller_stop", Fault::Kind::kControllerStop},
@@ -90,6 +108,18 @@ TEST(ScenarioReader, ReadsEveryKindOfFault) {
     const Scenario scenario = read(tree, kShort + ("faults: [{at_s: 1, kind: " + text + "}]\n"));
     EXPECT_EQ(scenario.faults.at(0).kind, kind) << text;
   }
+}
+
+TEST(ScenarioReader, ReadsTheDischargeOfABattery) {
+  const TemporaryTree tree;
+  const Scenario scenario = read(
+      tree, kShort + std::string("faults:\n"
+                                 "  - {at_s: 1, kind: battery_discharge, open_circuit_V: 5.5, over_s: 4}\n"
+                                 "  - {at_s: 6, kind: battery_discharge, open_circuit_V: 3}\n"));
+  EXPECT_EQ(scenario.faults.at(0).open_circuit_V, 5.5);
+  EXPECT_EQ(scenario.faults.at(0).over_us, 4'000'000u);
+  EXPECT_FALSE(scenario.faults.at(0).duration_us);
+  EXPECT_EQ(scenario.faults.at(1).over_us, 0u);
 }
 
 TEST(ScenarioReader, ReadsTheFramesOfAFault) {
@@ -145,6 +175,10 @@ TEST(ScenarioEvents, RoundTrip) {
   Scenario written = read(tree, kFull, {"commands.2.at_s=9.123456"});
   written.commands.push_back(
       {.at_us = 11'000'000, .kind = Command::Kind::kWalk, .velocity = {0.1, -0.02, 1e-3}});
+  written.commands.push_back(
+      {.at_us = 12'000'000,
+       .kind = Command::Kind::kStream,
+       .stream = {{{"hip", "scenario.yaml", 1}, 0.1}, {{"neck", "scenario.yaml", 1}, -1.0 / 3.0}}});
   written.pushes[0].force_W_N = {1.0 / 3.0, -1e-17, 1e4};
   const std::string text = events_text(written);
   const Scenario again =
@@ -159,6 +193,12 @@ TEST(ScenarioEvents, RoundTrip) {
     EXPECT_EQ(again.commands[i].kind, written.commands[i].kind);
     EXPECT_EQ(again.commands[i].motion, written.commands[i].motion);
     EXPECT_EQ(again.commands[i].velocity, written.commands[i].velocity);
+    ASSERT_EQ(again.commands[i].stream.size(), written.commands[i].stream.size());
+    for (std::size_t joint = 0; joint < written.commands[i].stream.size(); ++joint) {
+      EXPECT_EQ(again.commands[i].stream[joint].joint.text, written.commands[i].stream[joint].joint.text);
+      EXPECT_NEAR(again.commands[i].stream[joint].target_rad, written.commands[i].stream[joint].target_rad,
+                  1e-12);
+    }
   }
   ASSERT_EQ(again.pushes.size(), written.pushes.size());
   for (std::size_t i = 0; i < written.pushes.size(); ++i) {

@@ -10,6 +10,7 @@
 #include "base/text/error.h"
 #include "base/text/user_units.h"
 #include "simulation/scenario/make_ground.h"
+#include "simulation/scenario/player.h"
 #include "simulation/scenario/reader.h"
 #include "tests/support/sample_robots.h"
 #include "tests/unit/simulation/scenario/temporary_tree.h"
@@ -214,6 +215,59 @@ TEST(ScenarioMaterials, MustExistInRobotOrGround) {
   const Scenario right =
       read_on(tree, "ground: {material: steel}\nmaterials: [{between: [rubber, steel]}]\n");
   EXPECT_NO_THROW(check(right, robot));
+}
+
+// Bodies lie on what is below them, also on a slope, and are where their height says.
+TEST(ScenarioBodies, AreReadAndLaidOnTheGround) {
+  const TemporaryTree tree;
+  const std::string bodies =
+      "bodies:\n"
+      "  - {name: ball, diameter_m: 0.065, mass_kg: 0.058, position_m: [0.3, -0.1], bounce: 0.7, friction: "
+      "0.4,\n"
+      "     rolling_friction: 0.03, contact_time_ms: 4, velocity_m_per_s: [1, 2, 3]}\n"
+      "  - {name: crate, size_m: [0.2, 0.1, 0.05], mass_kg: 0.3, position_m: [1, 0], yaw_deg: 90}\n"
+      "  - {name: kite, diameter_m: 0.1, mass_kg: 0.1, position_m: [0, 0], height_m: 1.5}\n";
+  const auto laid = [&](const std::string& ground) {
+    const Scenario scenario = read_on(tree, ground + bodies);
+    return board_options(scenario, sim_board::sample_box(1.0, Vector3d::Constant(0.1))).world.free_bodies;
+  };
+  const std::vector<sim_board::FreeBodyDescription> level = laid("");
+  ASSERT_EQ(level.size(), 3u);
+  EXPECT_EQ(level[0].shape, sim_board::FreeBodyDescription::Shape::kSphere);
+  EXPECT_LT((level[0].X_WF.translation() - Vector3d(0.3, -0.1, 0.0325)).norm(), 1e-9);
+  EXPECT_EQ(level[0].bounce, 0.7);
+  EXPECT_EQ(level[0].friction, 0.4);
+  EXPECT_EQ(level[0].rolling_friction, 0.03);
+  EXPECT_DOUBLE_EQ(level[0].contact_time_s, 0.004);
+  EXPECT_EQ(level[0].v_WF_W, Vector3d(1, 2, 3));
+  EXPECT_EQ(level[1].shape, sim_board::FreeBodyDescription::Shape::kBox);
+  EXPECT_LT((level[1].X_WF.linear().col(0) - Vector3d::UnitY()).norm(), 1e-9);
+  EXPECT_NEAR(level[1].X_WF.translation().z(), 0.025, 1e-9);
+  EXPECT_EQ(level[2].X_WF.translation().z(), 1.5);
+  const auto tilted = laid("ground: {tilt_deg: [0, 10]}\n");
+  const double away_m = std::sin(10 * kRadPerDegree) * tilted[0].X_WF.translation().x() +
+                        std::cos(10 * kRadPerDegree) * tilted[0].X_WF.translation().z();
+  EXPECT_NEAR(away_m, 0.0325, 1e-6);
+  const auto stepped = laid("ground: {shapes: [{box: {position_m: [1, 0], size_m: [0.5, 0.5, 0.2]}}]}\n");
+  EXPECT_NEAR(stepped[1].X_WF.translation().z(), 0.225, 1e-6);
+}
+
+TEST(ScenarioBodies, ThatAreWrongAreRefusedWithTheLine) {
+  const TemporaryTree tree;
+  const auto refusal = [&](const std::string& body) {
+    return refusal_of_ground(tree,
+                             "bodies:\n  - {name: ball, mass_kg: 0.1, position_m: [0, 0], " + body + "}\n");
+  };
+  EXPECT_THAT(refusal("diameter_m: 0.1, size_m: [1, 1, 1]"), HasSubstr("test.yaml:5: found size_m beside"));
+  EXPECT_THAT(refusal("bounce: 0.2"), HasSubstr("no key bodies[0].diameter_m"));
+  EXPECT_THAT(refusal("diameter_m: 0"), HasSubstr("test.yaml:5: found bodies[0].diameter_m = 0"));
+  EXPECT_THAT(refusal("diameter_m: 0.1, bounce: 2"), HasSubstr("test.yaml:5: found bodies[0].bounce = 2"));
+  EXPECT_THAT(refusal("diameter_m: 0.1, colour: red"), HasSubstr("colour"));
+  EXPECT_THAT(refusal("size_m: [1, 1, 1], rolling_friction: 0.1"), HasSubstr("rolling_friction"));
+  EXPECT_THAT(refusal_of_ground(tree,
+                                "bodies:\n  - {name: a, diameter_m: 1, mass_kg: 1, position_m: [0, 0]}\n"
+                                "  - {name: a, diameter_m: 1, mass_kg: 1, position_m: [0, 0]}\n"),
+              HasSubstr("test.yaml:6: found a second body a"));
 }
 
 }  // namespace

@@ -74,6 +74,35 @@ TEST_F(ParameterFile, IsADependencyOfTheScenario) {
                                  tree_.root() / "robots/box/standing.yaml"));
 }
 
+// The purpose `standing` is an ability that a robot may lack; any other name or path is a mistake.
+TEST(ParameterFileOfAPurpose, IsLeftOutAndNamedWithItsRemedy) {
+  const TemporaryTree tree;
+  const auto read = [&](const std::string& rest) {
+    return read_scenario(
+        tree.write("scenarios/test.yaml", "version: 1\nrobot: robots/box/robot.sdf\nduration_s: 1\n" + rest));
+  };
+  const Scenario bare = read("motions: [stand]\nparameter_file: standing\n");
+  EXPECT_EQ(bare.missing_parameter_file, "standing");
+  EXPECT_FALSE(bare.parameter_file);
+  EXPECT_TRUE(bare.parameters.empty());
+  const std::string text = left_out_text(bare);
+  EXPECT_THAT(text, HasSubstr("robots/box lacks, and the run leaves out: motion stand, "
+                              "parameter file standing; koboshi bring-up "));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("\n")));
+  EXPECT_EQ(left_out_text(read("")), "");
+  EXPECT_THROW(read("parameter_file: standign\n"), InputError);
+  EXPECT_THROW(read("parameter_file: robots/box/standing.yaml\n"), InputError);
+
+  // Who has been brought up is not told to do it again.
+  tree.write("robots/box/parameters.yaml", "version: 1\nrobot: box\nparameters: {}\n");
+  EXPECT_THAT(left_out_text(read("motions: [stand]\n")), ::testing::EndsWith("leaves out: motion stand"));
+
+  tree.write("robots/box/standing.yaml", "version: 1\nparameters: {gain: 2}\n");
+  const Scenario standing = read("parameter_file: standing\n");
+  EXPECT_TRUE(standing.parameter_file);
+  EXPECT_EQ(left_out_text(standing), "");
+}
+
 // robots/box/parameters.yaml, which no scenario names.
 class RobotParametersFile : public ::testing::Test {
  protected:

@@ -121,7 +121,7 @@ TEST_F(InputPath, NamesAreThoseOfAllFolders) {
   write("scenarios/own.yaml");
   write(user() / "scenarios/another.yaml");
   EXPECT_THAT(input_names(InputKind::kScenario), testing::IsSupersetOf({"another", "own", "walk"}));
-  EXPECT_THAT(input_names(InputKind::kRobot), testing::ElementsAre("koboshi"));
+  EXPECT_THAT(input_names(InputKind::kRobot), testing::IsSupersetOf({"chibi", "hanpo", "koboshi", "noppo"}));
 }
 
 TEST(RepositoryRoot, IsTheNearestParentWithRobotsAndScenarios) {
