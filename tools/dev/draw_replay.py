@@ -11,7 +11,7 @@ of docs/guide/replay.md:
 
 Those of docs/tutorial/why-did-it-fall.md, whose steps 3 and 7 make the runs (left-foot.png: the page without --with):
 
-    draw_replay.py runs/fell/replay.html docs/tutorial/first-difference.png --time=6.66 --script="
+    draw_replay.py runs/fell/replay.html docs/tutorial/first-difference.png --time=4.86 --script="
       const kept = ['true_pitch', 'true_left_load', 'true_right_load'];
       for (const pane of [...koboshi.plots.panes])
         for (const name of [...pane.names]) if (!kept.includes(name)) koboshi.plots.toggle(name);

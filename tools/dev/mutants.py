@@ -187,16 +187,19 @@ class Copy:
 
     def __init__(self, folder, preset, programs):
         self.folder, self.build = folder, folder / "build" / preset
+        self.preset, self.names = preset, programs
         shutil.rmtree(folder, ignore_errors=True)
         listing = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
         for name in listing.split("\0")[:-1]:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, folder / name, follow_symlinks=False)
-        self.run(["cmake", "--preset", preset, "-DBUILD_TESTING=ON", "-DCMAKE_UNITY_BUILD=OFF"], check=True)
-        self.build_command = ["ninja", "-C", str(self.build), *self.test_targets(programs)]
+
+    def prepare(self):
+        """Builds it, and runs each test program once."""
+        self.run(["cmake", "--preset", self.preset, "-DBUILD_TESTING=ON", "-DCMAKE_UNITY_BUILD=OFF"], check=True)
+        self.build_command = ["ninja", "-C", str(self.build), *self.test_targets(self.names)]
         self.run(self.build_command, check=True)
         self.digests = {path: self.digest(path) for path in self.build.rglob("*.o")}
-        self.built_at = time.time_ns()
         listing = self.run(["ctest", "--test-dir", str(self.build), "--show-only=json-v1"], check=True).stdout
         self.programs = self.test_programs(json.loads(listing))
 
@@ -240,11 +243,12 @@ class Copy:
 
     def test_programs(self, listing):
         """For each GoogleTest program: seconds of a run, and the object files that it is linked from."""
-        programs = {}
+        programs, seen = {}, set()
         for test in listing["tests"]:
             command = test.get("command", [])
-            if not command or command[0] in programs or not pathlib.Path(command[0]).exists():
+            if not command or command[0] in seen or not pathlib.Path(command[0]).exists():
                 continue
+            seen.add(command[0])
             if pathlib.Path(command[0]).parent == self.build / "bin":
                 started = time.monotonic()
                 folder = next((item["value"] for item in test["properties"] if item["name"] == "WORKING_DIRECTORY"), self.build)
@@ -260,31 +264,51 @@ class Copy:
     def judge(self, mutation):
         """The verdict and what noticed."""
         path = self.folder / mutation.path
+        times = path.stat()
         original = path.read_text()
+        started_ns = time.time_ns()
         path.write_text(original[:mutation.begin] + mutation.new + original[mutation.end:])
         try:
-            return self.verdict()
+            return self.verdict(mutation, started_ns)
         finally:
+            # The file is as old as before, so that only objects of the mutant are compiled again, when they are needed.
             path.write_text(original)
+            os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+            for compiled in self.compiled_since(self.digests, started_ns):
+                if self.digest(compiled) != self.digests[compiled]:
+                    compiled.unlink()
 
-    def verdict(self):
-        build = self.run(self.build_command, timeout=1800)
-        if build.returncode != 0:
-            asserted = re.search(r"static assertion failed[^\n]*", build.stdout)
-            return ("killed", asserted[0]) if asserted else ("invalid", "does not compile")
-        compiled = [path for path in self.digests if path.stat().st_mtime_ns > self.built_at]
-        if not compiled:
-            return "invalid", "in no program of this preset"
-        changed = {str(path.relative_to(self.build)) for path in compiled if self.digest(path) != self.digests[path]}
-        if not changed:
-            return "equivalent", "the same optimised code"
-        for program, (seconds, folder, objects) in sorted(self.programs.items(), key=lambda item: (item[1][0], item[0])):
-            if objects & changed:
-                result = self.run([program, "--gtest_brief=1", "--gtest_fail_fast"], cwd=folder, timeout=10 + 10 * seconds)
-                if result.returncode != 0:
-                    failed = re.search(r"\[  FAILED  \] ([\w/.]+)", result.stdout)
-                    return "killed", f"{pathlib.Path(program).name}: {failed[1] if failed else f'exit status {result.returncode}'}"
-        return "survived", ""
+    @staticmethod
+    def compiled_since(paths, since_ns):
+        return [path for path in paths if path.exists() and path.stat().st_mtime_ns > since_ns]
+
+    def likely_first(self, mutation):
+        """The test programs, first that of the mutant's folder, then the fastest."""
+        folder = "_".join(pathlib.PurePath(mutation.path).parts[:2])
+        return sorted(self.programs.items(),
+                      key=lambda item: (folder not in pathlib.Path(item[0]).name, item[1][0], item[0]))
+
+    def verdict(self, mutation, started_ns):
+        """Builds and runs one program after the other: most mutants need no more than one."""
+        compiles = False
+        changes = False
+        for program, (seconds, folder, objects) in self.likely_first(mutation):
+            build = self.run(["ninja", "-C", str(self.build), str(pathlib.Path(program).relative_to(self.build))], timeout=1800)
+            if build.returncode != 0:
+                asserted = re.search(r"static assertion failed[^\n]*", build.stdout)
+                return ("killed", asserted[0]) if asserted else ("invalid", "does not compile")
+            compiled = self.compiled_since([self.build / name for name in objects], started_ns)
+            compiles = compiles or bool(compiled)
+            if all(self.digest(path) == self.digests[path] for path in compiled):
+                continue
+            changes = True
+            result = self.run([program, "--gtest_brief=1", "--gtest_fail_fast"], cwd=folder, timeout=10 + 10 * seconds)
+            if result.returncode != 0:
+                failed = re.search(r"\[  FAILED  \] ([\w/.]+)", result.stdout)
+                return "killed", f"{pathlib.Path(program).name}: {failed[1] if failed else f'exit status {result.returncode}'}"
+        if changes:
+            return "survived", ""
+        return ("equivalent", "the same optimised code") if compiles else ("invalid", "in no program of this preset")
 
 
 def judged_equivalent():
@@ -321,8 +345,12 @@ def main():
     preset = "firmware" if all(re.match(r"(hal|firmware)(/|$)", folder) for folder in arguments.folders) else "release"
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         copies = queue.Queue()
-        for job in range(arguments.jobs):  # one after the other, so that ccache, if it is here, compiles for the first alone
-            copies.put(Copy(ROOT / "build/mutants" / f"{preset}-{job}", preset, arguments.programs))
+        # All copies at once, so that they are the same whatever is edited meanwhile; then one build after the other, so that
+        # ccache, if it is here, compiles for the first alone.
+        made = [Copy(ROOT / "build/mutants" / f"{preset}-{job}", preset, arguments.programs) for job in range(arguments.jobs)]
+        for copy in made:
+            copy.prepare()
+            copies.put(copy)
         equivalents = judged_equivalent()
         counts = dict.fromkeys(("killed", "survived", "equivalent", "invalid"), 0)
 

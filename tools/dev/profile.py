@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Prints how many instructions each part of the simulated board executes in a millisecond of a run.
 
-Usage: tools/dev/profile.py [--build FOLDER] [--scenario FILE] [--stepper NAME] [--duration SECONDS] [--profile FILE]
+Usage: tools/dev/profile.py [--build FOLDER] [--scenario FILE] [--stepper NAME] [--from SECONDS]
+       [--duration SECONDS] [--profile FILE]
 
 Runs the program `profiled_run` (target of that name, tests/bench) of a build under valgrind's callgrind and sums what its
 functions execute, by the library that each belongs to. What a function without a part executes (the C library, Eigen, ODE)
@@ -128,7 +129,8 @@ def run(arguments, output):
     with tempfile.TemporaryDirectory() as folder:
         command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={output}"]
         command += [f"--toggle-collect={pattern}" for pattern in COLLECTED]
-        command += [program, arguments.scenario, arguments.stepper, str(arguments.duration), folder]
+        command += [program, arguments.scenario, arguments.stepper]
+        command += [str(arguments.start), str(arguments.duration), folder]
         done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
     if done.returncode != 0:
         sys.exit(f"profiled_run failed under valgrind:\n{done.stderr}")
@@ -139,7 +141,8 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release", help="folder of the build")
     parser.add_argument("--scenario", default="scenarios/walk.yaml", help="scenario file")
     parser.add_argument("--stepper", default="lumped", help="solver of the physics")
-    parser.add_argument("--duration", type=float, default=2.0, help="simulated seconds")
+    parser.add_argument("--from", dest="start", type=float, default=5.0, help="simulated seconds before the profile begins")
+    parser.add_argument("--duration", type=float, default=2.0, help="simulated seconds of the profile")
     parser.add_argument("--profile", type=pathlib.Path, help="output of callgrind to read")
     arguments = parser.parse_args()
 

@@ -29,6 +29,8 @@ using Angles = std::vector<std::optional<double>>;  // by joint of the robot, ra
 struct Move {
   std::string place;
   std::int64_t move_us = 0;
+  bool by_speed = false;
+  bool at_least = false;  // written as the least time
   std::int64_t pause_us = 0;
   Angles angles;                 // what the frame says
   std::set<std::size_t> limp{};  // joints without torque from here on
@@ -80,7 +82,9 @@ class Conversion {
     const double bounded_rad = std::clamp(angle_rad, lower_rad, upper_rad);
     const double beyond_rad = std::abs(angle_rad - bounded_rad);
     if (beyond_rad == 0.0) return angle_rad;
-    if (options_.largest_clamp_rad && beyond_rad > *options_.largest_clamp_rad)
+    // A robot that was turned by hand to a stop measures it within a step of its encoder.
+    const double noise_rad = robot_.encoder_steps_rad[joint];
+    if (options_.largest_clamp_rad && beyond_rad > std::max(*options_.largest_clamp_rad, noise_rad))
       throw InputError(
           file_, 0,
           fmt::format("{}: {} at {} degrees, {} beyond its limit", place, robot_.joint_names[joint],
@@ -100,6 +104,7 @@ class Conversion {
     result_.original_s += 1e-6 * static_cast<double>((frame.move_us + frame.pause_us) * section.repeat);
     Move move{.place = frame.place,
               .move_us = frame.move_us,
+              .by_speed = frame.by_speed,
               .pause_us = frame.pause_us,
               .angles = Angles(robot_.joint_names.size())};
     for (std::size_t i = 0; i < map_.joints.size(); ++i) {
@@ -180,7 +185,15 @@ class Conversion {
       }
       // A move that the language's own check lets pass is fast enough.
       const auto limit_us = static_cast<std::int64_t>(kUsableSpeed * static_cast<double>(needed_us));
-      if (needed_us > 0 && move.move_us < (options_.retime ? needed_us : limit_us)) {
+      // A frame by speed is as fast as its author wanted it, or as the servos can.
+      move.at_least =
+          move.by_speed && !options_.retime && !smooth && needed_us > 0 && move.move_us < limit_us;
+      if (move.at_least) {
+        report(move.place,
+               fmt::format("at least {} s, and as much more as {} needs",
+                           seconds(std::max(move.move_us, kShortestMove_us)), robot_.joint_names[slowest]));
+        result_.duration_s += 1e-6 * static_cast<double>(section.repeat * (limit_us - move.move_us));
+      } else if (needed_us > 0 && move.move_us < (options_.retime ? needed_us : limit_us)) {
         ++result_.too_fast;
         const std::string why = fmt::format(
             "{} would have to move by {:.0f} degrees/s", robot_.joint_names[slowest],
@@ -259,7 +272,8 @@ class Conversion {
       return;
     }
     result_.text += fmt::format("  p{}: {{{}}}\n", number, angles);
-    steps += fmt::format("{}- {{pose: p{}, time_s: {}", indent, number, seconds(move.move_us));
+    steps += fmt::format("{}- {{pose: p{}, {}: {}", indent, number, move.at_least ? "at_least_s" : "time_s",
+                         seconds(move.move_us));
     if (move.pause_us > 0) steps += fmt::format(", pause_s: {}", seconds(move.pause_us));
     steps += "}\n";
   }

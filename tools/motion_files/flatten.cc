@@ -19,14 +19,14 @@ using simulation::StepSource;
 using Kind = StepSource::Kind;
 
 constexpr std::size_t kMostKeyFrames = 10'000;
-constexpr std::array<double, 3> kPeakToMean{1.0, 15.0 / 8.0,
-                                            3.0 / 2.0};  // by interpolation, from rest to rest
+// By interpolation, from rest to rest.
+constexpr std::array<double, 4> kPeakToMean{1.0, 15.0 / 8.0, 3.0 / 2.0, 3.0 / 2.0};
 constexpr double kSpeedUnit_rad_per_s = 2.0 * std::numbers::pi / (1 << 24);
 
 class Flattener {
  public:
   Flattener(const simulation::MotionSource& source, const simulation::NamedModel& robot)
-      : source_(source), last_(robot.joint_names.size()) {
+      : source_(source), robot_(robot), last_(robot.joint_names.size()) {
     for (const std::string& name : robot.joint_names) motion_.joints.push_back({.name = name});
     motion_.name = source.name;
   }
@@ -149,7 +149,9 @@ class Flattener {
     const simulation::PoseSource& pose = source_.poses[step.pose];
     ForeignFrame frame{.place = line_place(static_cast<std::size_t>(std::max(step.place.line, 1)))};
     frame.values.resize(last_.size());
-    frame.move_us = step.speed_raw == 0 ? step.time_us : time_by_speed_us(step, pose);
+    frame.move_us = step.speed_raw != 0 ? time_by_speed_us(step, pose)
+                    : step.at_least     ? std::max<std::int64_t>(step.time_us, fastest_us(step, pose))
+                                        : std::int64_t{step.time_us};
     frame.pause_us = step.pause_us;
     for (std::size_t joint = 0; joint < last_.size(); ++joint) {
       if (!pose.angles[joint]) continue;
@@ -176,6 +178,17 @@ class Flattener {
     return std::max<std::int64_t>(1'000, std::llround(1e6 * farthest_rad / speed));
   }
 
+  // The time in which no joint exceeds its speed limit; joints whose beginning is unknown do not count.
+  std::int64_t fastest_us(const StepSource& step, const simulation::PoseSource& pose) const {
+    double longest_s = 0.0;
+    for (std::size_t joint = 0; joint < last_.size(); ++joint) {
+      if (!pose.angles[joint] || !last_[joint]) continue;
+      const double way_rad = std::abs(fixed::to_double(*pose.angles[joint]) - *last_[joint]);
+      longest_s = std::max(longest_s, way_rad / fixed::to_double(robot_.model.joints[joint].max_speed));
+    }
+    return std::llround(1e6 * longest_s * kPeakToMean.at(static_cast<std::size_t>(step.interpolation)));
+  }
+
   void add(ForeignFrame frame, const std::set<std::size_t>& limp, int line) {
     if (frames_.size() == kMostKeyFrames)
       throw InputError(source_.file, line, "more than 10000 key frames with all repetitions", "fewer");
@@ -184,6 +197,7 @@ class Flattener {
   }
 
   const simulation::MotionSource& source_;
+  const simulation::NamedModel& robot_;
   std::vector<ForeignValue> last_;  // by joint, where it is known
   std::set<std::size_t> limp_;
   std::set<std::string> noted_;

@@ -38,6 +38,7 @@ using ForeignValue = std::optional<double>;
 struct ForeignFrame {
   std::string place;                          // in the file, for messages: "line 12", "page 4, step 2"
   std::int64_t move_us = 0;                   // from the end of the frame before
+  bool by_speed = false;                      // the file says how fast, of which `move_us` follows
   std::int64_t pause_us = 0;                  // afterwards
   std::vector<ForeignValue> values{};         // by joint of the file
   std::vector<std::size_t> without_torque{};  // joints whose torque is off from here on

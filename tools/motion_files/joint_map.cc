@@ -39,7 +39,7 @@ std::vector<std::string> words_of(const std::string& name) {
   return words;
 }
 
-// What a word means in the roles of sim_board/description/roles.h; empty: nothing.
+// Returns the word of the roles in sim_board/description/roles.h that means the same; empty if none does.
 std::string meaning(const std::string& word) {
   struct Synonym {
     std::string_view word, meaning;

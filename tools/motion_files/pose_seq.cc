@@ -72,7 +72,7 @@ ForeignMotion read_pose_seq(const std::filesystem::path& file, std::string_view 
       motion.notes.push_back({frame.place, "ignored: its time is before that of the pose above"});
       continue;
     }
-    // Of several poses at one time the last one counts, for the joints that it has.
+    // The last of several poses at one time counts, for the joints that it has.
     if (!section.frames.empty() && at_s == last_s) {
       const ForeignFrame& before = section.frames.back();
       motion.notes.push_back({frame.place, "replaces the angles of the pose above, which has the same time"});

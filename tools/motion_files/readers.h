@@ -9,9 +9,9 @@
 namespace koboshi::tools {
 
 // Readers of the formats. Each returns the motions of a file, at least one: one for each page that is not
-// empty, where a format has pages, else a single one. What can be read is read; what was wrong, ignored or
-// guessed is in the notes. All throw InputError, with file and line or offset, if nothing can be read.
-// `file` is for messages only; `text` is decoded (encoding.h).
+// empty, where a format has pages, else a single one. They read as much as they can; the notes say
+// what was wrong, ignored or guessed. All throw InputError, with file and line or offset, if nothing can be
+// read. `file` is for messages only; `text` is decoded (encoding.h).
 [[nodiscard]] ForeignMotion read_webots(const std::filesystem::path& file, std::string_view text);
 [[nodiscard]] ForeignMotion read_csv_motion(const std::filesystem::path& file, std::string_view text);
 [[nodiscard]] ForeignMotion read_bit_bots(const std::filesystem::path& file, std::string_view text);

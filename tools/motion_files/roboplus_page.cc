@@ -35,6 +35,7 @@ ForeignSection section_of(const RoboplusPage& page, const RoboplusStep*& last, F
     ForeignFrame frame{.place = "page " + std::to_string(page.number) + ", step " + std::to_string(++number)};
     double time_s = step.time;
     if (page.by_speed) time_s = last != nullptr ? time_by_speed_s(*last, step) : 1.0;
+    frame.by_speed = page.by_speed;
     frame.move_us = std::llround(1e6 * scale * time_s);
     frame.pause_us = std::llround(1e6 * scale * step.pause_s);
     frame.values.resize(motion.joints.size());

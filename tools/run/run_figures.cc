@@ -30,6 +30,8 @@ std::string label_of(const simulation::Command& command, const simulation::Scena
       return "emergency stop";
     case simulation::Command::Kind::kReset:
       return "reset";
+    case simulation::Command::Kind::kStream:
+      return "stream";
   }
   return {};
 }

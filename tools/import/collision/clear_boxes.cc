@@ -5,12 +5,15 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "base/text/user_units.h"
 #include "sim_board/engine/common/model_constants.h"
-#include "sim_board/world/box_overlap.h"
+#include "tools/import/collision/bent_legs.h"
+#include "tools/import/collision/boxes.h"
 #include "tools/import/decide/role_joints.h"
 #include "tools/import/normalise/repair_links.h"
 
@@ -21,135 +24,13 @@ using Eigen::Vector3d;
 
 constexpr double kTouching_m = 0.0004;  // the motion check and R007 count from 0.5 mm
 constexpr double kStep_rad = 2.0 * kRadPerDegree;
-constexpr double kShrink = 0.95;   // a step of shrinking
-constexpr double kMinShare = 0.6;  // of a side; a box that is smaller is no image of its link
-
-class Boxes {
- public:
-  explicit Boxes(ImportedRobot& robot) : robot_(robot), order_(joints_from_root(robot)) {
-    const std::size_t count = robot.links.size();
-    depth_.assign(count, 0);
-    parent_.assign(count, -1);
-    X_ML_.assign(count, Eigen::Isometry3d::Identity());
-    for (const std::size_t i : order_) {
-      const ImportedJoint& joint = robot.joints[i];
-      parent_[static_cast<std::size_t>(joint.child)] = joint.parent;
-      depth_[static_cast<std::size_t>(joint.child)] = depth_[static_cast<std::size_t>(joint.parent)] + 1;
-    }
-  }
-
-  void pose(std::size_t turned, double angle_rad) {
-    for (const std::size_t i : order_) {
-      const ImportedJoint& joint = robot_.joints[i];
-      Eigen::Isometry3d& X = X_ML_[static_cast<std::size_t>(joint.child)];
-      X = X_ML_[static_cast<std::size_t>(joint.parent)] * joint.X_PL;
-      if (i == turned) X.rotate(Eigen::AngleAxisd(angle_rad, joint.axis_L));
-    }
-  }
-
-  bool may_touch(std::size_t a, std::size_t b) const {
-    return !robot_.links[a].collisions.empty() && !robot_.links[b].collisions.empty() &&
-           distance(a, b) >= sim_board::kMinJointsBetween;
-  }
-  bool is_below(std::size_t link, int above) const {
-    for (int at = static_cast<int>(link); at >= 0; at = parent_[static_cast<std::size_t>(at)])
-      if (at == above) return true;
-    return false;
-  }
-  double overlap_m(std::size_t a, std::size_t b) const {
-    const ImportedShape& one = box(a);
-    const ImportedShape& other = box(b);
-    return sim_board::box_overlap_m(X_ML_[a] * one.X_LG, 0.5 * one.size_m, X_ML_[b] * other.X_LG,
-                                    0.5 * other.size_m);
-  }
-  // Joints between two links.
-  int distance(std::size_t a, std::size_t b) const {
-    int steps = 0;
-    auto one = static_cast<int>(a);
-    auto other = static_cast<int>(b);
-    while (one != other) {
-      int& deeper =
-          depth_[static_cast<std::size_t>(one)] >= depth_[static_cast<std::size_t>(other)] ? one : other;
-      deeper = parent_[static_cast<std::size_t>(deeper)];
-      ++steps;
-    }
-    return steps;
-  }
-  ImportedShape& box(std::size_t link) const { return robot_.links[link].collisions.front(); }
-  std::size_t size() const { return robot_.links.size(); }
-  ImportedRobot& robot() const { return robot_; }
-  // Bounds along the model's axes in the zero pose.
-  Eigen::AlignedBox3d bounds(std::size_t link) const {
-    const Vector3d centre = X_ML_[link] * box(link).X_LG.translation();
-    return {centre - 0.5 * box(link).size_m, centre + 0.5 * box(link).size_m};
-  }
-
- private:
-  ImportedRobot& robot_;
-  std::vector<std::size_t> order_;
-  std::vector<int> parent_;  // by link
-  std::vector<int> depth_;
-  std::vector<Eigen::Isometry3d> X_ML_;
-};
-
-bool is_foot(const ImportedLink& link) { return link.name == "left_foot" || link.name == "right_foot"; }
-
-std::optional<std::size_t> mirror_of(const ImportedRobot& robot, std::size_t link) {
-  const std::string other = mirrored_name(robot.links[link].name);
-  for (std::size_t i = 0; i < robot.links.size(); ++i)
-    if (i != link && robot.links[i].name == other && !robot.links[i].collisions.empty()) return i;
-  return std::nullopt;
-}
-
-// Cuts a slice off a box at one end of an axis, and off its mirror image.
-class Cutter {
- public:
-  explicit Cutter(Boxes& boxes) : boxes_(boxes), robot_(boxes.robot()) {
-    for (const ImportedLink& link : robot_.links)
-      original_m_.push_back(link.collisions.empty() ? Vector3d::Zero() : link.collisions.front().size_m);
-  }
-
-  // Returns false if the box would become too small. `at_max`: the end of the larger coordinate.
-  bool cut(std::size_t link, int axis, bool at_max, double depth_m) {
-    if (is_foot(robot_.links[link])) return false;
-    if (boxes_.box(link).size_m[axis] - depth_m < kMinShare * original_m_[link][axis]) return false;
-    apply(link, axis, at_max, depth_m);
-    if (const auto other = mirror_of(robot_, link))
-      apply(*other, axis, axis == 1 ? !at_max : at_max, depth_m);
-    return true;
-  }
-  // Shrinks a box about its centre.
-  bool shrink(std::size_t link) {
-    bool possible = false;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double depth_m = 0.5 * (1.0 - kShrink) * boxes_.box(link).size_m[axis];
-      possible = cut(link, axis, true, depth_m) && cut(link, axis, false, depth_m);
-    }
-    return possible;
-  }
-  double smallest_share(std::size_t link) const {
-    return boxes_.box(link).size_m.cwiseQuotient(original_m_[link]).minCoeff();
-  }
-
- private:
-  void apply(std::size_t link, int axis, bool at_max, double depth_m) {
-    ImportedShape& box = boxes_.box(link);
-    box.size_m[axis] -= depth_m;
-    box.X_LG.translation()[axis] += (at_max ? -0.5 : 0.5) * depth_m;
-  }
-
-  Boxes& boxes_;
-  ImportedRobot& robot_;
-  std::vector<Vector3d> original_m_;
-};
 
 constexpr int kAnyDistance = std::numeric_limits<int>::max();
-constexpr std::size_t kNoJoint = static_cast<std::size_t>(-1);
 
 // All boxes are along the same axes in the zero pose: the shortest way out of an overlap is along one of
 // them.
-void clear_zero_pose(Boxes& boxes, Cutter& cutter, ImportReport& report) {
-  boxes.pose(kNoJoint, 0.0);
+void clear_zero_pose(Boxes& boxes, BoxCutter& cutter, ImportReport& report) {
+  boxes.pose({});
   for (std::size_t a = 0; a < boxes.size(); ++a) {
     for (std::size_t b = a + 1; b < boxes.size(); ++b) {
       if (!boxes.may_touch(a, b) || boxes.overlap_m(a, b) <= kTouching_m) continue;
@@ -186,7 +67,7 @@ struct Contact {
 std::optional<Contact> first_contact(Boxes& boxes, std::size_t joint, double end_rad, int max_joints) {
   const int child = boxes.robot().joints[joint].child;
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
-  boxes.pose(kNoJoint, 0.0);
+  boxes.pose({});
   for (std::size_t a = 0; a < boxes.size(); ++a)
     for (std::size_t b = 0; b < boxes.size(); ++b)
       if (boxes.is_below(a, child) && boxes.is_below(static_cast<std::size_t>(child), static_cast<int>(b)) &&
@@ -196,9 +77,10 @@ std::optional<Contact> first_contact(Boxes& boxes, std::size_t joint, double end
   const auto steps = static_cast<int>(std::ceil(std::abs(end_rad) / kStep_rad));
   for (int step = 1; step <= steps; ++step) {
     const double angle_rad = end_rad * step / steps;
-    boxes.pose(joint, angle_rad);
+    boxes.pose(std::array{Boxes::Turn{joint, angle_rad}});
     for (const auto& [a, b] : pairs)
-      if (boxes.overlap_m(a, b) > kTouching_m) return Contact{angle_rad, a, b};
+      if (!boxes.are_far(a, b, 0.0) && boxes.overlap_m(a, b) > kTouching_m)
+        return Contact{angle_rad, a, b};
   }
   return std::nullopt;
 }
@@ -210,7 +92,7 @@ double usual_end_rad(const ImportedJoint& joint, double end_rad) {
 }
 
 // Shrinks boxes until the joint turns through its usual range.
-void shrink_for(Boxes& boxes, Cutter& cutter, std::size_t index, double end_rad, ImportReport& report) {
+void shrink_for(Boxes& boxes, BoxCutter& cutter, std::size_t index, double end_rad, ImportReport& report) {
   const ImportedJoint& joint = boxes.robot().joints[index];
   const double usual_rad = usual_end_rad(joint, end_rad);
   const double reach_rad = std::copysign(std::min(std::abs(end_rad), usual_rad), end_rad);
@@ -244,15 +126,89 @@ void end_range(Boxes& boxes, std::size_t index, bool upper, Interview& interview
     end_rad = taken_rad;
 }
 
+// Cuts the boxes of a leg at their lower ends until none reaches the ground on which the foot stands,
+// whatever ankle pitch and roll within their usual ranges. A box around a shank is far wider at the ankle
+// than the shank, and contacts between it and the foot, which neighbours do not make, would not stop it.
+void lift_above_sole(Boxes& boxes, BoxCutter& cutter, std::size_t foot, const std::string& side,
+                     ImportReport& report) {
+  constexpr double kAir_m = 0.003;
+  const ImportedRobot& robot = boxes.robot();
+  const auto joint_named = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::ranges::find(robot.joints, name, &ImportedJoint::name) -
+                                    robot.joints.begin());
+  };
+  const auto ends = [&](std::size_t joint) -> std::vector<double> {
+    if (joint == robot.joints.size()) return {0.0};
+    const std::array<double, 2> usual_rad = usual_range_rad(robot.joints[joint].name);
+    return {std::max(usual_rad[0], *robot.joints[joint].lower_rad),
+            std::min(usual_rad[1], *robot.joints[joint].upper_rad)};
+  };
+  const std::size_t pitch = joint_named(side + "_ankle_pitch");
+  const std::size_t roll = joint_named(side + "_ankle_roll");
+  for (std::size_t link = 0; link < boxes.size(); ++link) {
+    if (link == foot || robot.links[link].collisions.empty() ||
+        !boxes.is_below(foot, static_cast<int>(link)) ||
+        boxes.distance(link, foot) >= sim_board::kMinJointsBetween)
+      continue;
+    for (const double pitch_rad : ends(pitch)) {
+      for (const double roll_rad : ends(roll)) {
+        boxes.pose(std::array{Boxes::Turn{pitch, pitch_rad}, Boxes::Turn{roll, roll_rad}});
+        const double slice_m = 0.02 * boxes.box(link).size_m.z();
+        bool cuts = true;
+        while (cuts && boxes.height_above_sole_m(link, foot) < kAir_m)
+          cuts = cutter.cut(link, 2, false, slice_m);
+        if (cuts) continue;
+        report.warnings.push_back(
+            fmt::format("{} reaches below the sole with the ankle at {:.0f} and {:.0f} deg",
+                        robot.links[link].name, kDegreesPerRad * pitch_rad, kDegreesPerRad * roll_rad));
+      }
+    }
+  }
+}
+
+// Cuts the box of a thigh at its upper end, then that of the trunk at its lower one, until they do not meet
+// with the hip bent and spread at the same time. Each joint alone may be free, and a step bends and spreads
+// both.
+void clear_hip(Boxes& boxes, BoxCutter& cutter, std::size_t thigh, const std::string& side) {
+  constexpr std::array<double, 3> kBent_deg{-90.0, -60.0, -30.0};
+  constexpr double kSpread_deg = 15.0;
+  const ImportedRobot& robot = boxes.robot();
+  const auto pitch = std::ranges::find(robot.joints, side + "_hip_pitch", &ImportedJoint::name);
+  const auto roll = std::ranges::find(robot.joints, side + "_hip_roll", &ImportedJoint::name);
+  if (pitch == robot.joints.end() || roll == robot.joints.end()) return;
+  constexpr std::size_t kTrunk = 0;
+  if (robot.links[kTrunk].collisions.empty() || !boxes.may_touch(kTrunk, thigh)) return;
+  for (const double bent_deg : kBent_deg) {
+    for (const double spread_deg : {-kSpread_deg, kSpread_deg}) {
+      boxes.pose(std::array{
+          Boxes::Turn{static_cast<std::size_t>(pitch - robot.joints.begin()), kRadPerDegree * bent_deg},
+          Boxes::Turn{static_cast<std::size_t>(roll - robot.joints.begin()), kRadPerDegree * spread_deg}});
+      while (boxes.overlap_m(kTrunk, thigh) > kTouching_m) {
+        const double slice_m = 0.02 * boxes.box(thigh).size_m.z();
+        if (!cutter.cut(thigh, 2, true, slice_m) && !cutter.cut(kTrunk, 2, false, slice_m)) return;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void clear_boxes(ImportedRobot& robot, Interview& interview, ImportReport& report) {
   Boxes boxes(robot);
-  Cutter cutter(boxes);
+  BoxCutter cutter(boxes);
   clear_zero_pose(boxes, cutter, report);
   for (std::size_t i = 0; i < robot.joints.size(); ++i)
     for (const double end_rad : {*robot.joints[i].lower_rad, *robot.joints[i].upper_rad})
       shrink_for(boxes, cutter, i, end_rad, report);
+  for (const char* side : {"left", "right"}) {
+    const auto foot = std::ranges::find(robot.links, side + std::string("_foot"), &ImportedLink::name);
+    if (foot != robot.links.end() && !foot->collisions.empty())
+      lift_above_sole(boxes, cutter, static_cast<std::size_t>(foot - robot.links.begin()), side, report);
+    const auto thigh = std::ranges::find(robot.links, side + std::string("_thigh"), &ImportedLink::name);
+    if (thigh != robot.links.end() && !thigh->collisions.empty())
+      clear_hip(boxes, cutter, static_cast<std::size_t>(thigh - robot.links.begin()), side);
+  }
+  clear_bent_legs(boxes, cutter, report);
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     if (interview.given().limits_deg.contains(robot.joints[i].name)) continue;
     if (*robot.joints[i].lower_rad < 0.0) end_range(boxes, i, false, interview, report);
@@ -262,7 +218,7 @@ void clear_boxes(ImportedRobot& robot, Interview& interview, ImportReport& repor
     if (robot.links[i].collisions.empty()) continue;
     if (const double share = cutter.smallest_share(i); share < 1.0)
       report.normalised.push_back(
-          fmt::format("{}: box shrunk to {:.0f} % of a side, so that it touches no other",
+          fmt::format("{}: box shrunk to {:.0f} % of a side, so that it touches no other, nor the ground",
                       robot.links[i].name, 100.0 * share));
   }
 }

@@ -45,7 +45,7 @@ std::string section(const std::string& head, const std::string& key,
 std::string answers_section(const Interview& interview) {
   std::string text = "\n# Answers that no file contains.\nanswers:\n";
   for (const ImportQuestion& question : interview.questions()) {
-    text += "  # " + utf8_text(question.text);
+    text += "  # " + utf8_line(question.text);
     if (!question.choices.empty()) text += " (" + join_alternatives(question.choices) + ")";
     text += "\n  " + question.name + ": " + scalar(interview.taken.answers.at(question.name)) + "\n";
   }
@@ -58,8 +58,8 @@ std::string repairs_section(const ImportReport& report) {
       "\n# Values of the source that were replaced. `keep` keeps one as it is in the source.\nrepairs:\n";
   for (const ImportRepair& repair : report.repairs)
     text +=
-        fmt::format("  # {} -> {}, because {}\n  {}: {}\n", utf8_text(repair.found), utf8_text(repair.taken),
-                    utf8_text(repair.because), text_scalar(repair.key), repair.is_kept ? "keep" : "take");
+        fmt::format("  # {} -> {}, because {}\n  {}: {}\n", utf8_line(repair.found), utf8_line(repair.taken),
+                    utf8_line(repair.because), text_scalar(repair.key), repair.is_kept ? "keep" : "take");
   return text;
 }
 

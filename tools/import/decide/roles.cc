@@ -69,7 +69,7 @@ void remove_shared(std::vector<Chain>& chains, const ImportedRobot& robot, const
   std::erase_if(chains, [](const Chain& chain) { return chain.joints.empty(); });
 }
 
-// Which of the axes x, y, z a joint turns about most.
+// Returns the axis, x, y or z, about which a joint turns most.
 char main_axis(const ImportedRobot& robot, const std::vector<Eigen::Isometry3d>& X_RL,
                const Eigen::Matrix3d& R_MR, std::size_t joint) {
   const ImportedJoint& described = robot.joints[joint];

@@ -48,7 +48,7 @@ void write_all(int descriptor, std::string_view bytes) {
   set_limit(RLIMIT_CORE, 0);
   set_limit(RLIMIT_FSIZE, 0);  // pipes are not files
   if (kLimitsMemory) set_limit(RLIMIT_AS, limits.memory_bytes);
-  alarm(4 * limits.processor_s);  // of a child that waits
+  alarm(limits.waiting_s);
   // The prints of a library must not become part of the program's output.
   const int null = open("/dev/null", O_RDWR);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(null, stream);
@@ -79,7 +79,8 @@ std::string fault_of(int status, const ChildLimits& limits) {
     return WEXITSTATUS(status) == kNoMemory ? "needed more memory than it may take" : "failed";
   }
   const int signal_number = WTERMSIG(status);
-  if (signal_number == SIGXCPU || signal_number == SIGKILL || signal_number == SIGALRM)
+  if (signal_number == SIGALRM) return "waited for more than " + std::to_string(limits.waiting_s) + " s";
+  if (signal_number == SIGXCPU || signal_number == SIGKILL)
     return "took more than " + std::to_string(limits.processor_s) + " s";
   return std::string("crashed (") + strsignal(signal_number) + ")";
 }

@@ -28,7 +28,7 @@ std::vector<std::string> joint_names(const ImportedRobot& robot, const ImportDec
   std::vector<std::string> names;
   for (const ImportedJoint& joint : robot.joints) {
     const auto found = by_source.find(joint.name);
-    names.push_back(found == by_source.end() ? utf8_text(joint.name) : found->second);
+    names.push_back(found == by_source.end() ? utf8_line(joint.name) : found->second);
   }
   return names;
 }
@@ -112,7 +112,7 @@ void rename(ImportedRobot& robot, const std::vector<std::string>& joint_names) {
         names);
   }
   for (ImportedLink& link : robot.links)
-    for (ImportedFrame& frame : link.frames) frame.name = new_name(utf8_text(frame.name), names);
+    for (ImportedFrame& frame : link.frames) frame.name = new_name(utf8_line(frame.name), names);
 }
 
 // Asks only where a millimetre, which covers rounding in CAD, is not enough.

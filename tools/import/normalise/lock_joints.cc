@@ -98,7 +98,7 @@ void lock_extra_joints(ImportedRobot& robot, Interview& interview, ImportReport&
         interview.taken.joints, [&joint](const auto& entry) { return entry.second == joint.name; });
     if (has_role) continue;
     extra.push_back(&joint);
-    names += (names.empty() ? "" : ", ") + utf8_text(joint.name);
+    names += (names.empty() ? "" : ", ") + utf8_line(joint.name);
   }
   if (extra.empty()) return;
   // A robot of which no joint has a role is no humanoid, and keeps its joints.

@@ -51,7 +51,7 @@ ImportedRobot as_urdf(const sim_board::RobotDescription& robot) {
   return read_urdf(robot.file, urdf_text(robot, "", ""), ignored);
 }
 
-// What differs so that a change of single values cannot follow; empty: nothing.
+// Names a difference that changes of single values cannot express; empty if there is none.
 std::string other_shape(const ImportedRobot& ours, const ImportedRobot& theirs) {
   if (ours.links.size() != theirs.links.size() || ours.joints.size() != theirs.joints.size())
     return "the number of links or joints";

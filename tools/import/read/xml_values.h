@@ -16,8 +16,8 @@ inline constexpr std::size_t kMaxImportedLinks = 400;
 
 // Parts that the readers of URDF and SDF share.
 
-// Throws the first violation of the rule. What the rule does not list is a line of `ignored` instead, once
-// for each name, because such files carry the data of many other programs.
+// Throws the first violation of the rule. An element that the rule does not list becomes a line of `ignored`
+// instead, once for each name, because such files carry the data of many other programs.
 void require_rule(const XmlDraft& draft, const XmlRule& rule, ImportReport& report);
 
 // Returns `count` finite numbers of magnitude below 1e6 in an attribute or a text; `what` names them in the

@@ -12,7 +12,7 @@ namespace {
 // Characters that Markdown would read as something else.
 std::string plain(const std::string& text) {
   std::string result;
-  for (const char c : utf8_text(text)) {
+  for (const char c : utf8_line(text)) {
     if (c == '|' || c == '<' || c == '`' || c == '*' || c == '_' || c == '[') result += '\\';
     result += c;
   }
@@ -78,8 +78,8 @@ std::string answers_table(const Interview& interview) {
 
 std::string import_page(const ImportedRobot& robot, const RobotFileParts& parts, const Interview& interview,
                         const ImportReport& report, const std::string& command) {
-  return "# Import of " + plain(parts.name) + "\n\nMade from `" + utf8_text(parts.source) + "` by\n\n    " +
-         utf8_text(command) + "\n\nEdit `import.yaml` and repeat the command to decide otherwise.\n" +
+  return "# Import of " + plain(parts.name) + "\n\nMade from `" + utf8_line(parts.source) + "` by\n\n    " +
+         utf8_line(command) + "\n\nEdit `import.yaml` and repeat the command to decide otherwise.\n" +
          list("Warnings", report.warnings) + answers_table(interview) +
          joints_table(robot, parts, interview) + links_table(robot) + repairs_table(report) +
          list("Normalised", report.normalised) + list("Ignored parts of the source", report.ignored);

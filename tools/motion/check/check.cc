@@ -178,13 +178,17 @@ std::optional<MotionReport> MotionChecker::check(const CompiledMotion& motion,
   report.duration_s = sampled.longest_s;
   motion::Motion opened;
   static_cast<void>(motion::Motion::open(motion.image, model_.model, opened));
+  // The robot sits at the end of this one, on its feet, and no other motion begins there.
+  CheckLimits limits = limits_;
+  if (motion.name == motion::kMotionNames[static_cast<std::size_t>(motion::Role::kSit)])
+    limits.standing_rad.clear();
   for (Trajectory& path : sampled.paths) {
     path.path = path_text(path, opened, motion.places);
     report.duration_cut = report.duration_cut || path.cut;
     const std::vector<TickState>& states = analysis_.analyse(path, cancel);
     if (cancel.stop_requested()) return std::nullopt;
     if (&path == &sampled.paths.front()) states_ = states;
-    add_path(judge(path, states, *robot_, limits_, analysis_.mix_extremes()), path, report);
+    add_path(judge(path, states, *robot_, limits, analysis_.mix_extremes()), path, report);
   }
   analysis_.forget_unused();
   add_diagnostics(motion, report);

@@ -31,9 +31,10 @@ constexpr std::size_t kMaxPollingTicks = 6'000;
 // An expected attitude says that the robot stands again if it is this close to upright.
 constexpr double kUpright_rad = 25.0 * std::numbers::pi / 180.0;
 
-// The motions of the behaviour's own roles begin during or after a fall.
 bool begins_on_feet(const motion::Motion& played) {
-  return std::ranges::find(motion::kMotionNames, played.name()) == motion::kMotionNames.end();
+  const auto name = std::ranges::find(motion::kMotionNames, played.name());
+  return name == motion::kMotionNames.end() ||
+         motion::begins_on_feet(static_cast<motion::Role>(name - motion::kMotionNames.begin()));
 }
 
 bool is_upright(const motion::ExpectedAttitude& expected) {

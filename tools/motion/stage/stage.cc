@@ -23,7 +23,8 @@ simulation::Scenario stage_scenario(const std::filesystem::path& motion, const M
   const auto stage = simulation::find_input(simulation::InputKind::kScenario, "scenarios/motion.yaml");
   const simulation::Scenario empty = simulation::read_scenario(stage, overrides);
   const std::string name = motion.stem().string();
-  nlohmann::json motions = nlohmann::json::array();
+  nlohmann::json motions = empty.missing_motions;  // are named again, so that they are reported
+  std::erase(motions.get_ref<nlohmann::json::array_t&>(), nlohmann::json(name));
   for (const simulation::MotionChoice& other : empty.motions) {
     if (other.name() != name) motions.push_back(other.file.string());
   }

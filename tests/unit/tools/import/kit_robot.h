@@ -17,6 +17,8 @@ struct KitRobot {
   int left_knee_sign = 1;        // direction of the left knee's axis
   double inertia_factor = 1.0;   // of all links
   double right_hip_mass_kg = 0.08;
+  double forearm_width_m = 0.02;
+  double forearm_length_m = 0.06;
   std::string extra{};  // further elements
 
   std::string text() const {
@@ -85,9 +87,9 @@ struct KitRobot {
   }
 
   std::string arm(const std::string& s, double side) const {
-    std::string urdf = link(s + "a", 0.04, 0.02, 0.02, 0.02, 0.0) +
-                       link(s + "b", 0.08, 0.02, 0.02, 0.06, -0.04) +
-                       link(s + "c", 0.06, 0.02, 0.02, 0.06, -0.04);
+    std::string urdf =
+        link(s + "a", 0.04, 0.02, 0.02, 0.02, 0.0) + link(s + "b", 0.08, 0.02, 0.02, 0.06, -0.04) +
+        link(s + "c", 0.06, 0.02, forearm_width_m, forearm_length_m, -0.01 - 0.5 * forearm_length_m);
     urdf += hinge("j_" + s + "a", "body", s + "a", fmt::format("0 {} 0.13", 0.09 * side), "0 0 0", "0 1 0",
                   -2.5, 2.5);
     urdf += hinge("j_" + s + "b", s + "a", s + "b", "0 0 0", fmt::format("{} 0 0", arms_out_rad * side),

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <csignal>
 #include <fstream>
+#include <thread>
 
 #include "tools/import/mesh/limited_child.h"
 #include "tools/import/mesh/merge.h"
@@ -175,6 +177,20 @@ TEST(LimitedChild, SurvivesWhatItRuns) {
                          })
                 .fault,
             "took more than 1 s");
+}
+
+// The limit of a child that waits was four times that of its processor time. A machine with much other load
+// then left out meshes that an idle one reads, and two imports of the same file differed.
+TEST(LimitedChild, HasTimeOnALoadedMachine) {
+  ChildLimits limits{.processor_s = 1, .waiting_s = 1};
+  const auto sleep = [] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+    return std::string("read");
+  };
+  EXPECT_EQ(run_in_child(limits, sleep).fault, "waited for more than 1 s");
+  limits.waiting_s = ChildLimits{}.waiting_s;
+  EXPECT_EQ(run_in_child(limits, sleep).output, "read");
+  EXPECT_GE(ChildLimits{}.waiting_s, 30 * ChildLimits{}.processor_s);
 }
 
 }  // namespace

@@ -91,6 +91,29 @@ TEST_F(ConvertTest, StretchesMovesOnlyWhenTold) {
   EXPECT_GT(slower.duration_s, slower.original_s + 1.0);
 }
 
+// The servo of the knee turns by 428.6 degrees/s; the file asks for 600, and for 100.
+TEST_F(ConvertTest, GivesFramesBySpeedTheTimeThatTheirJointsNeed) {
+  ForeignMotion motion{.format = MotionFormat::kRoboplusPages,
+                       .name = "kick",
+                       .joints = {{.name = "left_knee"}},
+                       .sections = {{.frames = {{.place = "step 1", .move_us = 1'000'000, .values = {0.0}},
+                                                {.place = "step 2", .move_us = 150'000, .values = {1.5}},
+                                                {.place = "step 3", .move_us = 860'000, .values = {0.0}}}}}};
+  for (ForeignFrame& frame : motion.sections.front().frames) frame.by_speed = true;
+  const JointMap map = find_joints("kick.bin", motion, robot);
+  const ConvertedMotion converted = convert_motion("kick.bin", motion, map, model, {});
+  EXPECT_NE(converted.text.find("{pose: p2, at_least_s: 0.15}"), std::string::npos) << converted.text;
+  EXPECT_NE(converted.text.find("{pose: p3, time_s: 0.86}"), std::string::npos) << converted.text;
+  EXPECT_EQ(converted.too_fast, 0u);
+  EXPECT_EQ(errors_of(converted), "");
+  EXPECT_TRUE(has(converted.report, "step 2: at least 0.15 s, and as much more as left_knee needs"));
+  EXPECT_NEAR(converted.duration_s, 1.0 + 1.5 / 7.48 + 0.86, 0.001);
+  // --retime leaves a margin of a tenth instead.
+  const ConvertedMotion retimed = convert_motion("kick.bin", motion, map, model, {.retime = true});
+  EXPECT_EQ(retimed.text.find("at_least_s"), std::string::npos) << retimed.text;
+  EXPECT_EQ(retimed.stretched, 1u);
+}
+
 TEST_F(ConvertTest, LeavesOutFramesOnAStraightLine) {
   std::string file = "t,left_knee_deg,head_pan_deg\n";
   for (int i = 0; i <= 100; ++i)

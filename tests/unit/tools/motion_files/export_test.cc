@@ -116,6 +116,21 @@ TEST_F(ExportTest, KeepsPausesTorqueAndLoops) {
   EXPECT_THAT(exported(motion, "csv").report, testing::Contains(HasSubstr("no joints without torque")));
 }
 
+// A move with a least time has in a table the time that the knee needs: 60 degrees at 428.6 degrees/s.
+TEST_F(ExportTest, WritesTheTimeThatAMoveWithALeastTimeTakes) {
+  const auto duration_s = [this](const std::string& least) {
+    return exported(
+               "version: 2\nrobot: koboshi\nname: a\nposes:\n  p: {left_knee: 0}\n  q: {left_knee: "
+               "60}\nsteps:\n"
+               "  - {pose: p, time_s: 1}\n  - {pose: q, at_least_s: " +
+                   least + "}\n",
+               "csv")
+        .duration_s;
+  };
+  EXPECT_NEAR(duration_s("0.05"), 1.0 + 60.0 / 428.57, 1e-3);
+  EXPECT_NEAR(duration_s("0.5"), 1.5, 1e-6);
+}
+
 TEST_F(ExportTest, DividesLongMotionsIntoPagesAndSlowsThem) {
   std::string motion =
       "version: 2\nrobot: koboshi\nname: long\nposes:\n  p: {left_knee: 10}\n  q: {left_knee: 20}\nsteps:\n";
