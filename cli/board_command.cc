@@ -21,13 +21,15 @@ namespace {
 struct BoardArguments {
   std::filesystem::path scenario = "scenarios/board.yaml";
   std::vector<std::string> sets;
+  std::string robot;
   std::string duration;
   LiveOptions live;
   ViewOptions view;
 };
 
 void play_board(const BoardArguments& arguments) {
-  const auto overrides = overrides_of(arguments.sets, {{"duration_s", arguments.duration, "--duration"}});
+  const auto overrides = overrides_of(arguments.sets, {{"duration_s", arguments.duration, "--duration"},
+                                                       simulation::robot_override(arguments.robot)});
   LiveOptions live_options = arguments.live;
   const auto view = open_view(arguments.view, live_options);
   LiveLink live(live_options, warn);
@@ -82,6 +84,7 @@ Examples:
   command->add_option(
       "SCENARIO", arguments->scenario,
       "File or name of a scenario without commands, motions and gait (default: scenarios/board.yaml)");
+  add_robot_option(*command, arguments->robot);
   command->add_option("--duration", arguments->duration, "Simulated seconds");
   command->add_option("--set", arguments->sets, "Override a key of the scenario; may be repeated")
       ->allow_extra_args(false);

@@ -2,12 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 namespace koboshi::tools {
 
 // A call of the program. Callbacks of commands read the command line and set the exit status.
 struct Invocation {
-  std::string command_line{};  // as one would type it again, for pages that say how they were made
+  std::string command_line{};            // as one would type it again, for pages that say how they were made
+  std::vector<std::string> arguments{};  // without the program
   int exit_status = 0;
 };
 
@@ -25,23 +27,27 @@ AddCommand add_diff_command;
 AddCommand add_target_report_command;
 AddCommand add_model_command;
 AddCommand add_motion_command;
+AddCommand add_policy_command;
 AddCommand add_gait_command;
 AddCommand add_tune_command;
+AddCommand add_learn_command;
 AddCommand add_dictionary_command;
 AddCommand add_bench_command;
 AddCommand add_bring_up_command;
 AddCommand add_servo_command;
 AddCommand add_experiment_command;
+AddCommand add_lab_command;
 AddCommand add_validate_command;
 AddCommand add_manual_command;
 
 // In the order of --help.
 inline constexpr AddCommand* kCommands[] = {
-    add_run_command,           add_studio_command,     add_replay_command,   add_render_command,
-    add_board_command,         add_can_command,        add_firmware_command, add_diff_command,
-    add_target_report_command, add_model_command,      add_motion_command,   add_gait_command,
-    add_tune_command,          add_dictionary_command, add_bench_command,    add_servo_command,
-    add_experiment_command,    add_validate_command,   add_bring_up_command, add_manual_command};
+    add_run_command,           add_studio_command,   add_replay_command,     add_render_command,
+    add_board_command,         add_can_command,      add_firmware_command,   add_diff_command,
+    add_target_report_command, add_model_command,    add_motion_command,     add_policy_command,
+    add_gait_command,          add_tune_command,     add_learn_command,      add_dictionary_command,
+    add_bench_command,         add_servo_command,    add_experiment_command, add_lab_command,
+    add_validate_command,      add_bring_up_command, add_manual_command};
 
 // Commands below `koboshi can`.
 AddCommand add_can_dump_command;

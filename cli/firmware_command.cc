@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "cli/options.h"
@@ -22,6 +23,7 @@ namespace {
 
 struct FirmwareArguments {
   std::filesystem::path scenario;
+  std::string robot;
   double duration_s = 86400.0;
   double speed = 1.0;
   std::filesystem::path storage;
@@ -29,8 +31,11 @@ struct FirmwareArguments {
 };
 
 void run_firmware(const FirmwareArguments& arguments) {
-  const simulation::PreparedScenario prepared = simulation::prepare(simulation::read_scenario(
-      simulation::find_input(simulation::InputKind::kScenario, arguments.scenario)));
+  const simulation::Scenario scenario =
+      simulation::read_scenario(simulation::find_input(simulation::InputKind::kScenario, arguments.scenario),
+                                overrides_of({}, {simulation::robot_override(arguments.robot)}));
+  warn_of_left_out(scenario);
+  const simulation::PreparedScenario prepared = simulation::prepare(scenario);
   const auto transport = open_can(arguments.can);
   Interrupt interrupt;
   simulation::FirmwareProcess firmware(prepared.storage_contents, *transport, arguments.storage);
@@ -74,6 +79,7 @@ Examples:
                    "File or name of the scenario whose robot and motions go into the storage; its other keys "
                    "have no effect")
       ->required();
+  add_robot_option(*command, arguments->robot);
   command->add_option("--duration", arguments->duration_s, "Seconds (default: until Ctrl-C)")
       ->check(CLI::Range(0.001, 86400.0));
   command

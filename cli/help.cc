@@ -30,7 +30,10 @@ const std::map<std::string, std::string>& placeholders() {
       {"--type", "NAME"},          {"--with", "RUN"},         {"--walk", "SECONDS"},
       {"--interface", "NAME"},     {"--name", "NAME"},        {"--plant", "KEY=VALUE"},
       {"--world", "NAME"},         {"--axes", "NAME"},        {"--factors", "NAME"},
-      {"--reference", "FILE"},     {"--budget", "MINUTES"}};
+      {"--reference", "FILE"},     {"--budget", "MINUTES"},   {"--candidates", "N"},
+      {"--inputs", "FILE"},        {"--others", "NAME"},      {"--shard", "K/N"},
+      {"--shards", "ACTION"},      {"--sbatch", "OPTION"},    {"--parallel", "HOSTS"},
+      {"--until", "GENERATION"}};
   return kPlaceholders;
 }
 

@@ -34,7 +34,7 @@ std::string command_line(int argc, char** argv) {
 }
 
 int run_program(int argc, char** argv) {
-  koboshi::tools::Invocation invocation{command_line(argc, argv)};
+  koboshi::tools::Invocation invocation{command_line(argc, argv), {argv + 1, argv + argc}};
   CLI::App program("The firmware of a small humanoid robot, and the simulated board it runs on.", "koboshi");
   program.set_version_flag("--version", "koboshi " KOBOSHI_VERSION);
   program.require_subcommand(1);

@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -99,6 +100,7 @@ void import_model(const ModelImportArguments& arguments, const Invocation& invoc
   for (const ImportRepair& repair : report.repairs)
     fmt::print("{}: {} -> {}, because {}\n", repair.key, repair.found, repair.is_kept ? "kept" : repair.taken,
                repair.because);
+  std::fflush(stdout);  // before what follows on standard error
   for (const std::string& warning : report.warnings) print_error("warning: {}\n", warning);
   fmt::print("{}: {}, {}, {}, {}, {}\n", (arguments.output / "robot.sdf").string(),
              count_text(result.robot.links.size(), "link"), count_text(result.robot.joints.size(), "joint"),

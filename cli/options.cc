@@ -167,6 +167,10 @@ void print_bus_address(const LiveLink& link) {
 
 void warn(const std::string& text) { print_error("koboshi: warning: {}\n", text); }
 
+void warn_of_left_out(const simulation::Scenario& scenario) {
+  if (const std::string text = simulation::left_out_text(scenario); !text.empty()) warn(text);
+}
+
 void warn_of_meshes(const view::Recording& recording) {
   for (const view::Event& event : recording.events)
     if (event.kind == "mesh") warn(event.text);

@@ -14,6 +14,7 @@
 #include "bus/can/source.h"
 #include "bus/dictionary/network.h"
 #include "sim_board/can/transport/transport.h"
+#include "simulation/scenario/scenario.h"
 #include "tools/run/interrupt.h"
 #include "tools/run/live_link.h"
 #include "view/live/live_view.h"
@@ -109,6 +110,8 @@ void print_bus_address(const LiveLink& link);
 
 // Prints a warning on standard error, while the simulation runs.
 void warn(const std::string& text);
+// Warns of what the robot of a scenario does not have and the run leaves out (simulation::left_out_text).
+void warn_of_left_out(const simulation::Scenario& scenario);
 // Repeats what a run has recorded about meshes that it could not show.
 void warn_of_meshes(const view::Recording& recording);
 // The same after the run, from LiveLink::report: frames lost or late, overruns. Prints nothing if all went

@@ -93,6 +93,16 @@ void give_operator(RunOptions& options, KeyQueue& keys) {
   };
 }
 
+// scenarios/board.yaml lasts for a day, for `koboshi board`, which runs in real time.
+void warn_of_duration(const RunOptions& options) {
+  constexpr double kLong_s = 3600.0;
+  constexpr double kSecondsPerHour = 3600.0;
+  const double duration_s = 1e-6 * static_cast<double>(options.scenario.duration_us);
+  if (options.live.realtime || duration_s <= kLong_s) return;
+  warn(fmt::format("the scenario lasts {:.0f} s, {:.1f} h of simulated time; --duration sets another time",
+                   duration_s, duration_s / kSecondsPerHour));
+}
+
 }  // namespace
 
 void add_run_options(CLI::App& command, RunArguments& arguments) {
@@ -148,6 +158,7 @@ int run_and_report(const RunArguments& arguments, simulation::Scenario scenario)
   options.scenario = std::move(scenario);
   options.out =
       arguments.out.empty() ? std::filesystem::path("runs") / options.scenario.file.stem() : arguments.out;
+  warn_of_left_out(options.scenario);
   options.make_host = simulation::in_process(arguments.storage);
   if (arguments.controller != "qemu" && !arguments.image.empty())
     throw InputError("--image", 0, "--controller " + arguments.controller, "--controller qemu");
@@ -182,6 +193,7 @@ int run_and_report(const RunArguments& arguments, simulation::Scenario scenario)
       options.warn = {};
     }
   }
+  warn_of_duration(options);
   const RunResult result = run(options, show);
   report(result, options.out);
   return result.failure ? 1 : 0;

@@ -3,14 +3,17 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "base/file/standard_streams.h"
 #include "cli/lab/session.h"
 #include "lab/bring_up/ladder.h"
 #include "simulation/batch/parallel.h"
 #include "simulation/scenario/paths.h"
+#include "tools/run/interrupt.h"
 
 namespace koboshi::tools {
 namespace {
@@ -25,13 +28,26 @@ int climb(BringUpArguments arguments) {
   options.robot = simulation::find_input(simulation::InputKind::kRobot, options.robot);
   options.reference = simulation::find_input(simulation::InputKind::kRobot, options.reference);
   options.budget_s = 60.0 * arguments.budget_min;
-  const BringUpResult result =
-      bring_up(options, [](const std::string& line) { print_error("koboshi: bring-up: {}\n", line); });
-  fmt::print("{}", ladder_text(result));
-  for (const std::filesystem::path& file : result.files) fmt::print("{}\n", file.string());
-  const bool failed = std::ranges::any_of(
-      result.rungs, [](const Rung& rung) { return rung.result == Rung::Result::kFailed; });
-  return failed ? 1 : 0;
+  Interrupt interrupt;
+  std::atomic<int> signal = 0;
+  options.go_on = [&] {
+    if (const std::optional<int> arrived = interrupt.requested()) signal = *arrived;
+    return signal == 0;
+  };
+  std::string last;
+  try {
+    const BringUpResult result = bring_up(options, [&](const std::string& line) {
+      last = line;
+      print_error("koboshi: bring-up: {}\n", line);
+    });
+    fmt::print("{}", ladder_text(result));
+    for (const std::filesystem::path& file : result.files) fmt::print("{}\n", file.string());
+    const bool failed = std::ranges::any_of(
+        result.rungs, [](const Rung& rung) { return rung.result == Rung::Result::kFailed; });
+    return failed ? 1 : 0;
+  } catch (const Stopped&) {
+    throw Interrupted(signal, "interrupted at " + last + "; the same command continues before this rung");
+  }
 }
 
 }  // namespace
@@ -45,11 +61,13 @@ void add_bring_up_command(CLI::App& program, Invocation& invocation) {
   command->footer(
       "Scales the parameters of a robot that walks to this one, makes its standing pose, and climbs a "
       "ladder: loads, hangs,\n"
-      "stands, squats, steps on the spot, walks forward, sideways, and turns. Where the scaled values do not "
-      "carry the\n"
-      "robot, a search tries others. Files go to the robot's folder; bring-up.md has the figure of each "
-      "rung. Exit status\n"
-      "1 if a rung fails.\n\n"
+      "stands, shifts its weight, squats, steps on the spot, walks forward, sideways, and turns. Where the "
+      "scaled values do\n"
+      "not carry the robot, a search tries others. Files go to the robot's folder at the end of each rung; "
+      "bring-up.md has\n"
+      "the figures. A second call continues after the last rung that was reached, and repeats those whose "
+      "inputs have\n"
+      "changed. Exit status 1 if a rung fails.\n\n"
       "Example:\n"
       "  koboshi bring-up robots/kit\n");
   command->add_option("ROBOT", options.robot, "The robot's folder, file or name")->required();
@@ -62,7 +80,14 @@ void add_bring_up_command(CLI::App& program, Invocation& invocation) {
       ->capture_default_str();
   add_number(*command, "--seeds", options.seeds, 1, 1000, "Robots that each rung has to carry");
   command->add_option("--first-seed", options.first_seed, "Seed of the first of them")->capture_default_str();
-  add_number(*command, "--budget", arguments->budget_min, 0.0, 1000.0, "Time for searches in minutes");
+  CLI::Option* budget =
+      add_number(*command, "--budget", arguments->budget_min, 0.0, 1000.0, "Time for searches in minutes");
+  command
+      ->add_option("--candidates", options.candidates,
+                   "Candidates of each search, instead of a time: the result repeats")
+      ->check(CLI::Range(std::size_t{0}, std::size_t{100'000}))
+      ->excludes(budget);
+  command->add_flag("--restart", options.restart, "Begin anew, whatever an earlier call has reached");
   command->add_option("--until", options.until, "The last rung to try")
       ->type_name("RUNG")
       ->check(CLI::IsMember(rung_names()));

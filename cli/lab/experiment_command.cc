@@ -16,6 +16,8 @@
 #include "lab/catalogue/stand_up.h"
 #include "lab/catalogue/terrain.h"
 #include "lab/catalogue/walking_speed.h"
+#include "lab/learn/comparison.h"
+#include "simulation/disturbance/world_ranges.h"
 #include "simulation/scenario/paths.h"
 #include "tools/run/run.h"
 
@@ -65,7 +67,7 @@ void add(CLI::App& parent, Invocation& invocation, Entry<Options> given) {
     const DrawFigures draw_figures = [&](const SessionOptions& session) {
       return draw ? draw(options, session) : std::string();
     };
-    conduct(arguments->entry.make(options), arguments->session, invocation.command_line, draw_figures);
+    conduct(arguments->entry.make(options), arguments->session, invocation, draw_figures);
   });
 }
 
@@ -175,6 +177,21 @@ void add_marathon_options(CLI::App& command, MarathonOptions& options, SessionOp
   add_number(command, "--highest", options.highest_N_s_per_kg, 0.0, 10.0, "Hardest push, N s/kg");
 }
 
+void add_comparison_options(CLI::App& command, ComparisonOptions& options, SessionOptions&) {
+  command
+      .add_option("--policy", options.policy,
+                  "Image of the policy (.kpol); without it the engine alone is played")
+      ->type_name("FILE");
+  command.add_option("--only", options.activities, "Some of the activities")
+      ->delimiter(',')
+      ->check(CLI::IsMember(ComparisonOptions::all_activities()));
+  command.add_option("--impulses", options.impulses_N_s_per_kg, "Impulses of the pushes, N s/kg")
+      ->delimiter(',')
+      ->check(CLI::Range(0.001, 10.0))
+      ->capture_default_str();
+  add_number(command, "--walk", options.walk_s, 0.1, 3600.0, "Seconds of a walk without pushes");
+}
+
 void add_robustness_options(CLI::App& command, RobustnessOptions& options, SessionOptions&) {
   command.add_option("--only", options.activities, "Some of the activities")
       ->delimiter(',')
@@ -182,6 +199,14 @@ void add_robustness_options(CLI::App& command, RobustnessOptions& options, Sessi
   command.add_option("--factors", options.factors, "Some of the factors")
       ->delimiter(',')
       ->check(CLI::IsMember(RobustnessOptions::all_factors()));
+  command.add_option("--levels", options.levels, "Levels of one factor instead of its own, rising")
+      ->delimiter(',')
+      ->check(CLI::Range(0.0, 1e3));
+  std::vector<std::string> worlds = simulation::world_names();
+  worlds.insert(worlds.begin(), RobustnessOptions::kNominal);
+  command.add_option("--others", options.others, "World from which the other factors are drawn")
+      ->check(CLI::IsMember(worlds))
+      ->capture_default_str();
   add_number(command, "--full-speed", options.full_speed_m_per_s, 0.0, 3.0,
              "Full speed, m/s; 0: the robot's limit");
   add_number(command, "--distance", options.distance_m, 0.1, 100.0,
@@ -288,14 +313,26 @@ void add_experiment_command(CLI::App& program, Invocation& invocation) {
        .footer = "Walks at half and full speed, pushes (standing, on the spot, at half and full speed) and "
                  "getting\n"
                  "up, with one factor at a time at a level of its own; every other factor is as in the "
-                 "files. All of\n"
-                 "it takes hours: the folder of the results resumes it, --budget-s divides it.\n",
+                 "files, or\n"
+                 "drawn from the world that --others names. All of it takes hours: the folder of the results "
+                 "resumes it, --budget-s divides it.\n",
        .examples = {"robustness --stepper mujoco --budget-s 3600",
-                    "robustness --only walk-full,push-standing --factors slope,supply-low --seeds 50"},
+                    "robustness --only walk-full,push-standing --factors slope,supply-low --seeds 50",
+                    "robustness --only push-half --factors impulse --levels 0.25,0.3 --others rough"},
        .make = make_robustness,
        .add_options = add_robustness_options,
        .options = {},
-       .worlds = "--world has no effect here.\n"});
+       .worlds = "--world has no effect here; --others has.\n"});
+  add<ComparisonOptions>(
+      command, invocation,
+      {.name = "learned",
+       .description = "The walking engine alone against the engine with a policy",
+       .footer =
+           "The same worlds and the same pushes for both, on the spot and at half and full speed; walks\n"
+           "without pushes. The lines below the table compare them seed by seed.\n",
+       .examples = {"learned --only push-half --impulses 0.36 --seeds 20 --world harsh"},
+       .make = make_comparison,
+       .add_options = add_comparison_options});
   add<LoopOptions>(
       command, invocation,
       {.name = "loop",

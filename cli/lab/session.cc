@@ -9,6 +9,8 @@
 #include "base/file/standard_streams.h"
 #include "base/text/error.h"
 #include "cli/options.h"
+#include "lab/cluster/job_file.h"
+#include "lab/cluster/shard_run.h"
 #include "lab/experiment/files.h"
 #include "lab/trial/trial_recordings.h"
 #include "sim_board/world/options.h"
@@ -55,6 +57,39 @@ Experiment recorded(Experiment experiment, const fs::path& folder) {
     return record;
   };
   return experiment;
+}
+
+// With --shards plan, status or merge, and with --shard.
+JobFile job_of(const Experiment& experiment, const SessionOptions& session, const Invocation& invocation) {
+  return {job_command(invocation.arguments), fs::current_path(), session.shards.count(session.out),
+          experiment.inputs};
+}
+
+// Plays a shard and prints how far it is.
+void play_one_shard(const Experiment& experiment, const SessionOptions& session) {
+  const Shard shard = session.shards.shard.value();
+  const ProgressLine line;
+  ShardOptions options{
+      .jobs = session.jobs,
+      .refresh_after = std::chrono::duration<double>(0.5 * static_cast<double>(shard.count))};
+  if (session.budget_s > 0.0) options.budget = std::chrono::duration<double>(session.budget_s);
+  options.progress = [&line](const ShardProgress& progress) {
+    line.show(fmt::format("{} of {} trials", progress.finished, progress.finished + progress.remaining));
+  };
+  const ShardProgress progress =
+      play_shard(session.record_lost.empty() ? experiment : recorded(experiment, session.record_lost),
+                 session.out, shard, options);
+  fmt::print("shard {} of {}: {} trials{}\n", shard.number, shard.count, progress.finished,
+             progress.is_complete() ? "" : fmt::format(", {} to go", progress.remaining));
+}
+
+std::vector<ShardProgress> progress_of_shards(const Experiment& experiment, const SessionOptions& session,
+                                              std::size_t count) {
+  ShardedTrials trials(experiment, session.out, count);
+  trials.refresh();
+  std::vector<ShardProgress> progress;
+  for (std::size_t i = 1; i <= count; ++i) progress.push_back(trials.progress(i));
+  return progress;
 }
 
 ExperimentResult play(const Experiment& experiment, const SessionOptions& session) {
@@ -142,6 +177,7 @@ void add_session_options(CLI::App& command, ExperimentSetup& setup, SessionOptio
       ->check(CLI::PositiveNumber);
   command.add_option("--out", session.out,
                      "Folder of the results; resumes the experiment if the folder holds an interrupted one");
+  add_shard_options(command, session.shards);
   command.add_option("--json", session.json, "Also write the results to this file");
   command.add_option("--record-lost", session.record_lost,
                      "Keep a recording of each trial that is lost in this folder: CELL-SEED.mcap");
@@ -175,11 +211,30 @@ void ProgressLine::show(const std::string& text) const {
   std::fflush(stderr);
 }
 
-void conduct(const Experiment& experiment, SessionOptions session, const std::string& command_line,
+void conduct(const Experiment& experiment, SessionOptions session, Invocation& invocation,
              const DrawFigures& draw_figures) {
   if (session.out.empty()) session.out = fs::path("runs") / experiment.name;
   if (session.section.empty()) session.section = experiment.name;
-  const ExperimentResult result = play(experiment, session);
+  std::string command_line = invocation.command_line;
+  if (session.shards.is_used()) {
+    const JobFile job = job_of(experiment, session, invocation);
+    keep_job(session.out, job);
+    if (!session.shards.is_merge()) {
+      if (session.shards.action.empty()) {
+        play_one_shard(experiment, session);
+      } else {
+        invocation.exit_status =
+            show_shards(session.shards, progress_of_shards(experiment, session, job.shards));
+      }
+      return;
+    }
+    command_line = job.command_line();
+  }
+  if (!experiment.warning.empty()) warn(experiment.warning);
+  const ExperimentResult result =
+      session.shards.is_used()
+          ? merge_shards(experiment, session.out, session.shards.count(session.out), session.out / kLogName)
+          : play(experiment, session);
   const Conclusions conclusions =
       experiment.conclude ? experiment.conclude(experiment, result) : Conclusions{};
   nlohmann::ordered_json json = to_json(experiment, result);

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "base/yaml/yaml_tree.h"
+#include "cli/commands.h"
+#include "cli/lab/shard_options.h"
 #include "lab/catalogue/gyro_feedback.h"
 #include "lab/experiment/report.h"
 
@@ -27,6 +29,7 @@ struct SessionOptions {
   std::filesystem::path record_lost{};  // folder of the recordings of lost trials; empty: none
   std::filesystem::path page{};
   std::string section{};  // empty: the experiment's name
+  ShardArguments shards{};
 };
 
 // Adds a number with its range; --help shows both and the default.
@@ -61,8 +64,9 @@ class ProgressLine {
 using DrawFigures = std::function<std::string(const SessionOptions&)>;
 
 // Plays an experiment with finished trials in trials.jsonl in the folder, prints the table, and leaves
-// trials.csv, result.json, figure.png and what --json and --page ask for. Throws InputError.
-void conduct(const Experiment& experiment, SessionOptions session, const std::string& command_line,
+// trials.csv, result.json, figure.png and what --json and --page ask for. With --shard or --shards, does what
+// they say; a merge leaves the same files. Throws InputError.
+void conduct(const Experiment& experiment, SessionOptions session, Invocation& invocation,
              const DrawFigures& draw_figures);
 
 }  // namespace koboshi::tools

@@ -7,12 +7,15 @@
 #include "base/file/output_file.h"
 #include "cli/commands.h"
 #include "cli/lab/session.h"
+#include "cli/lab/shard_options.h"
 #include "cli/lab/tune_gait_command.h"
 #include "cli/options.h"
+#include "lab/cluster/job_file.h"
 #include "lab/tune/gait_search.h"
 #include "lab/tune/infeasible.h"
 #include "lab/tune/study_search.h"
 #include "simulation/scenario/paths.h"
+#include "simulation/scenario/reader.h"
 
 namespace koboshi::tools {
 namespace {
@@ -23,6 +26,7 @@ struct TuneArguments {
   std::string search = "cma-es";
   std::string stepper;
   std::string robot;
+  ShardArguments shards{};
 };
 
 struct TuneGaitArguments {
@@ -68,7 +72,29 @@ auto show_search(const std::string& label, const std::string& unit, const std::f
   return result;
 }
 
-void tune(const TuneArguments& arguments) {
+// What --shard and --shards say.
+void tune_in_shards(const Study& study, const StudyOptions& options, const ShardArguments& shards,
+                    Invocation& invocation) {
+  const std::size_t count = shards.count(options.out);
+  keep_job(options.out, {job_command(invocation.arguments), std::filesystem::current_path(), count,
+                         study_inputs(study, options)});
+  if (shards.is_merge()) {
+    show_search("score ", "", options.out,
+                [&](const ShowProgress& show) { return merge_study(study, options, count, show); });
+  } else if (!shards.action.empty()) {
+    invocation.exit_status = show_shards(shards, study_progress(study, options, count));
+  } else {
+    const ProgressLine line;
+    const SearchResult result =
+        play_study_shard(study, options, *shards.shard, [&line](const SearchProgress& progress) {
+          line.show(fmt::format("{} of {} evaluations", progress.done, progress.total));
+        });
+    fmt::print("shard {} of {}: the search has ended after {} evaluations\n", shards.shard->number, count,
+               result.evaluations);
+  }
+}
+
+void tune(const TuneArguments& arguments, Invocation& invocation) {
   const Study study = read_study(simulation::find_input(simulation::InputKind::kStudy, arguments.study));
   StudyOptions options = arguments.options;
   options.method = arguments.search == "cma-es" ? Method::kCmaEs : Method::kNsga2;
@@ -76,6 +102,8 @@ void tune(const TuneArguments& arguments) {
     options.overrides.push_back({"physics.stepper", arguments.stepper, "--stepper"});
   if (!arguments.robot.empty()) options.overrides.push_back(simulation::robot_override(arguments.robot));
   if (options.out.empty()) options.out = "runs/tune" / arguments.study.stem();
+  warn_of_left_out(simulation::read_scenario(study.scenario, options.overrides));
+  if (arguments.shards.is_used()) return tune_in_shards(study, options, arguments.shards, invocation);
   show_search("score ", "", options.out,
               [&](const ShowProgress& show) { return search_study(study, options, show); });
 }
@@ -98,7 +126,7 @@ void tune_gait(const TuneGaitArguments& arguments) {
 
 }  // namespace
 
-void add_tune_command(CLI::App& program, Invocation&) {
+void add_tune_command(CLI::App& program, Invocation& invocation) {
   auto arguments = std::make_shared<TuneArguments>();
   CLI::App* command = program.add_subcommand("tune", "Optimise the parameters of a study");
   command->footer(
@@ -118,7 +146,12 @@ void add_tune_command(CLI::App& program, Invocation&) {
   add_number(*command, "--population", arguments->options.population, 5, 1000, "Candidates of a generation");
   command->add_option("--out", arguments->options.out,
                       "Folder of the results (default: runs/tune/ and the study's name)");
-  command->callback([arguments] { tune(*arguments); });
+  add_number(*command, "--islands", arguments->options.islands, 1, 1000,
+             "Populations of CMA-ES that search beside each other and share the evaluations");
+  add_number(*command, "--migrate", arguments->options.migrate, 0, 1'000'000,
+             "Generations after which islands take over the best of another one; 0: never");
+  add_shard_options(*command, arguments->shards);
+  command->callback([arguments, &invocation] { tune(*arguments, invocation); });
 }
 
 void add_tune_gait_command(CLI::App& experiment) {

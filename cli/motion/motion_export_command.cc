@@ -42,7 +42,7 @@ void export_file(const MotionExportArguments& arguments) {
   if (std::filesystem::equivalent(file, arguments.out, missing))
     throw InputError(arguments.out, 0, "the input as the output", "another file for the result");
   write_whole_file(arguments.out, exported.bytes);
-  for (const std::string& line : exported.report) print_error("{}: {}\n", file.string(), utf8_text(line));
+  for (const std::string& line : exported.report) print_error("{}: {}\n", file.string(), utf8_line(line));
   print_error("{}: {}, {:.3f} s\n", file.string(), count_text(exported.frames, "key frame"),
               exported.duration_s);
 }

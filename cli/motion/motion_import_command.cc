@@ -85,7 +85,7 @@ int import_motion(MotionImportArguments& arguments) {
   const ConvertedMotion converted =
       convert_motion(file, motion, find_joints(file, motion, robot, arguments.map),
                      simulation::load_named_model(robot), options);
-  for (const std::string& line : converted.report) print_error("{}: {}\n", file.string(), utf8_text(line));
+  for (const std::string& line : converted.report) print_error("{}: {}\n", file.string(), utf8_line(line));
   if (arguments.out.empty()) {
     fmt::print("{}", converted.text);
   } else {

@@ -61,7 +61,7 @@ int retarget(const MotionRetargetArguments& arguments) {
   std::error_code missing;
   if (std::filesystem::equivalent(file, arguments.out, missing))
     throw InputError(arguments.out, 0, "the input as the output", "another file for the result");
-  for (const std::string& line : converted.report) print_error("{}: {}\n", file.string(), utf8_text(line));
+  for (const std::string& line : converted.report) print_error("{}: {}\n", file.string(), utf8_line(line));
   if (converted.too_fast > converted.stretched)
     throw InputError(
         file, 0, count_text(converted.too_fast, "move") + " too fast for the servos of " + to.robot().name,

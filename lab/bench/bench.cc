@@ -1,11 +1,13 @@
 #include "lab/bench/bench.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <ctime>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "lab/bench/memory.h"
 #include "sim_board/engine/make_world.h"
@@ -38,6 +40,36 @@ simulation::Scenario read(const std::filesystem::path& file, const simulation::P
   return scenario;
 }
 
+using Share = double sim_board::TimeShares::*;
+// The parts of a board, and how often each is timed in a millisecond of one step.
+constexpr std::array<std::pair<Share, double>, 5> kParts{{{&sim_board::TimeShares::bus_s, 1.0},
+                                                          {&sim_board::TimeShares::drives_s, 2.0},
+                                                          {&sim_board::TimeShares::firmware_s, 1.0},
+                                                          {&sim_board::TimeShares::physics_s, 1.0},
+                                                          {&sim_board::TimeShares::sensors_s, 1.0}}};
+
+// What reading the clock takes: the excess of each timing. The least of some attempts, which no other program
+// has interrupted.
+double clock_s() {
+  constexpr int kAttempts = 20;
+  constexpr int kReadings = 500;
+  double least_s = 1.0;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const double start_s = wall_s();
+    double last_s = start_s;
+    for (int i = 0; i < kReadings; ++i) last_s = wall_s();
+    least_s = std::min(least_s, (last_s - start_s) / kReadings);
+  }
+  return least_s;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
 // One scenario on its way, with a clock that runs only while it is advanced, and the height of its trunk.
 class Trial {
  public:
@@ -47,7 +79,10 @@ class Trial {
   bool finished() const { return simulation_.finished() || blew_up_; }
 
   void advance(std::uint64_t duration_us) {
-    const std::uint64_t end_us = simulation_.board().now_us() + duration_us;
+    const std::uint64_t start_us = simulation_.board().now_us();
+    const std::uint64_t end_us = start_us + duration_us;
+    const sim_board::TimeShares parts = simulation_.board().time_shares();
+    const double slice_start_s = time_s_;
     while (!finished() && simulation_.board().now_us() < end_us) {
       const double start_s = processor_s();
       try {
@@ -59,21 +94,23 @@ class Trial {
       recorder_.record_tick();
       heights_m_.push_back(recorder_.truth().p_WB_W.z());
     }
+    note_shares(parts, 1e-3 * static_cast<double>(simulation_.board().now_us() - start_us),
+                time_s_ - slice_start_s);
   }
 
   BenchRun result() const {
     const sim_board::SimBoard& board = simulation_.board();
     const double simulated_s = 1e-6 * static_cast<double>(board.now_us());
-    const sim_board::TimeShares& part = board.time_shares();
-    // The parts are measured by the clock on the wall; what disturbs it, disturbs all of them.
-    const double parts_s = part.bus_s + part.drives_s + part.firmware_s + part.physics_s + part.sensors_s;
     BenchRun run;
     run.real_time_factor = simulated_s / time_s_;
-    run.shares = {.bus_s = part.bus_s / parts_s,
-                  .drives_s = part.drives_s / parts_s,
-                  .firmware_s = part.firmware_s / parts_s,
-                  .physics_s = part.physics_s / parts_s,
-                  .sensors_s = part.sensors_s / parts_s};
+    double sum = 0.0;
+    for (std::size_t i = 0; i < kParts.size(); ++i) {
+      const double share = median(shares_[i]);
+      run.shares.*kParts[i].first = share;
+      sum += share;
+    }
+    // Medians may add up to more than the whole.
+    for (const auto& [part, times] : kParts) run.shares.*part /= std::max(1.0, sum);
     run.physics_steps_per_s = simulated_s / board.world().step_s() / (time_s_ * run.shares.physics_s);
     run.fell = recorder_.fell() || blew_up_;
     return run;
@@ -82,8 +119,22 @@ class Trial {
   const std::vector<double>& heights_m() const { return heights_m_; }  // by tick
 
  private:
+  // Notes the shares of a slice in its processor time. The parts are measured by the clock on the wall, on
+  // which other programs run, too; the median of all slices leaves these out.
+  void note_shares(const sim_board::TimeShares& before, double simulated_ms, double processor_s) {
+    if (!(processor_s > 0.0)) return;
+    const sim_board::TimeShares& after = simulation_.board().time_shares();
+    for (std::size_t i = 0; i < kParts.size(); ++i) {
+      const auto& [part, times] = kParts[i];
+      const double part_s = after.*part - before.*part - clock_s_ * times * simulated_ms;
+      shares_[i].push_back(std::max(0.0, part_s) / processor_s);
+    }
+  }
+
   simulation::Simulation simulation_;
   simulation::RunRecorder recorder_;
+  const double clock_s_ = clock_s();
+  std::array<std::vector<double>, kParts.size()> shares_;  // by part, of each slice
   double time_s_ = 0.0;
   bool blew_up_ = false;
   std::vector<double> heights_m_;

@@ -39,7 +39,7 @@ struct BenchOptions {
 struct BenchRun {
   double real_time_factor = 0.0;     // of the closed loop
   double physics_steps_per_s = 0.0;  // of the physics in it, alone
-  sim_board::TimeShares shares;      // parts of the whole, each 0..1
+  sim_board::TimeShares shares;      // parts of that time, each 0..1; scenario and observers are the rest
   bool fell = false;
 };
 

@@ -13,11 +13,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json shares_json(const sim_board::TimeShares& shares) {
-  return {{"physics", shares.physics_s},
-          {"bus", shares.bus_s},
-          {"drives", shares.drives_s},
-          {"firmware", shares.firmware_s},
-          {"sensors", shares.sensors_s}};
+  const double parts =
+      shares.physics_s + shares.bus_s + shares.drives_s + shares.firmware_s + shares.sensors_s;
+  return {{"physics", shares.physics_s},   {"bus", shares.bus_s},         {"drives", shares.drives_s},
+          {"firmware", shares.firmware_s}, {"sensors", shares.sensors_s}, {"rest", 1.0 - parts}};
 }
 
 // Null without the second engine.
@@ -55,13 +54,14 @@ std::string bench_table(const std::vector<BenchResult>& results) {
     rows.push_back({result.stepper.name, fmt::format("{:.2f}", result.walk.real_time_factor),
                     fmt::format("{:.2f}", result.squat.real_time_factor),
                     fmt::format("{:.0f}", result.walk.physics_steps_per_s),
+                    fmt::format("{:.0f}", 100.0 * result.walk.shares.physics_s),
                     fmt::format("{:.4f}", 1e3 * result.squat_base_height_rms_m),
                     fmt::format("{:.4f}", 1e3 * result.squat_foot_slip_m), std::to_string(falls),
                     fmt::format("{:.1f}", 1e-6 * result.memory_bytes),
                     fmt::format("{:.2f}", result.two_worlds_speedup), result.accurate() ? "yes" : "no"});
   }
-  return table_text({"stepper", "walk [x real]", "squat [x real]", "steps/s", "height RMS [mm]", "slip [mm]",
-                     "falls", "memory [MB]", "2 cores [x]", "accurate"},
+  return table_text({"stepper", "walk [x real]", "squat [x real]", "steps/s", "physics [%]",
+                     "height RMS [mm]", "slip [mm]", "falls", "memory [MB]", "2 cores [x]", "accurate"},
                     rows, TableStyle::kTerminal);
 }
 

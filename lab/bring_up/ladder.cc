@@ -5,535 +5,559 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cmath>
-#include <optional>
+#include <map>
+#include <memory>
+#include <regex>
 #include <utility>
 
 #include "base/file/output_file.h"
+#include "base/file/output_folder.h"
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "base/text/user_units.h"
+#include "firmware/motion/roles.h"
+#include "lab/bring_up/recovery.h"
+#include "lab/bring_up/recovery_motion.h"
+#include "lab/bring_up/robot_files.h"
+#include "lab/bring_up/rungs.h"
 #include "lab/bring_up/start_values.h"
+#include "lab/bring_up/value_search.h"
+#include "lab/experiment/files.h"
 #include "sim_board/description/load.h"
-#include "sim_board/random/random_stream.h"
-#include "simulation/assembly/operator_input.h"
-#include "simulation/batch/parallel.h"
 #include "simulation/model/abilities.h"
-#include "simulation/observe/event_words.h"
-#include "simulation/observe/watched_simulation.h"
 #include "simulation/scenario/reader.h"
 
 namespace koboshi::tools {
 namespace {
 
-using behaviour::State;
-using simulation::name_of;
+namespace fs = std::filesystem;
 
-constexpr double kLost_rad = 0.6;      // a trunk that leans so far does not come back
-constexpr double kUpright_rad = 0.12;  // of a robot that only stands, on slopes of up to 2 degrees
-constexpr std::uint64_t kReady_us =
-    5'000'000;  // boots, is released at 3.5 s, and has measured its gyro's bias
 constexpr std::uint64_t kSearchSeed = 900'000;  // robots of the search; the rungs have others
-constexpr std::size_t kMostCandidates = 400;
+constexpr std::size_t kSearchRobots = 3;
+constexpr double kLowestLevel = 0.2475;  // of a walk's highest speed, at which fastest() begins
+constexpr const char* kJournal = "bring-up.json";
+constexpr const char* kPage = "bring-up.md";
 
-// What one robot did.
-struct Played {
-  bool lost = false;
-  State state = State::kBoot;
-  std::string reason;                     // of the state
-  double at_s = 0.0;                      // when it was lost, after the command
-  double lean_rad = 0.0;                  // largest
-  double torque = 0.0;                    // largest share of the rated torque
-  std::array<double, 2> speed_m_per_s{};  // forward and to the left, over the second half
-  double turn_rad_per_s = 0.0;
-  std::string touching;  // what the event log says of links that touch
-};
+// The files on which a robot's description depends: its own, and the libraries of servos that it includes.
+std::vector<fs::path> robot_files(const fs::path& robot) {
+  static const std::regex kLibrary(R"re(<koboshi:servo_types\s+file="([^"]*)")re");
+  const std::string text = read_text_file(robot, "a robot");
+  std::vector<fs::path> files{robot};
+  for (auto match = std::sregex_iterator(text.begin(), text.end(), kLibrary); match != std::sregex_iterator();
+       ++match)
+    files.push_back(robot.parent_path() / (*match)[1].str());
+  return files;
+}
 
-// A time limit.
-class Clock {
+class Climber {
  public:
-  explicit Clock(double budget_s) : end_(std::chrono::steady_clock::now() + duration(budget_s)) {}
-  [[nodiscard]] bool is_over() const { return std::chrono::steady_clock::now() >= end_; }
-  // One with half of the time that is left.
-  [[nodiscard]] Clock half() const {
-    return Clock(0.5 * std::chrono::duration<double>(end_ - std::chrono::steady_clock::now()).count());
-  }
-
- private:
-  static std::chrono::steady_clock::duration duration(double time_s) {
-    return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-        std::chrono::duration<double>(time_s));
-  }
-
-  std::chrono::steady_clock::time_point end_;
-};
-
-std::string touching_of(const simulation::WatchedSimulation& world) {
-  for (const simulation::RunEvent& event : world.recorder().events().events()) {
-    if (event.text.find("touch") != std::string::npos) return event.text;
-  }
-  return {};
-}
-
-double yaw_difference(double from_rad, double to_rad) {
-  return std::remainder(to_rad - from_rad, 2.0 * M_PI);
-}
-
-// Plays a command from the moment at which the robot stands.
-Played play(const simulation::Scenario& scenario, const std::string& command, double for_s) {
-  simulation::WatchedSimulation world(scenario);
-  Played played;
-  const auto observe = [&] {
-    const auto& truth = world.recorder().truth();
-    played.lean_rad = std::max(played.lean_rad, truth.tilt_rad);
-    for (std::size_t joint = 0; joint < world.simulation().robot().joints.size(); ++joint)
-      played.torque = std::max(played.torque,
-                               1e-3 * std::abs(world.recorder().telemetry().joints[joint].torque_permille));
-    played.state = world.recorder().telemetry().state;
-    played.reason = name_of(world.recorder().telemetry().reason);
-    if (truth.tilt_rad > kLost_rad && !played.lost) {
-      played.lost = true;
-      played.at_s = 1e-6 * (static_cast<double>(world.now_us()) - static_cast<double>(kReady_us));
-    }
-    return !played.lost;
-  };
-  while (world.now_us() < kReady_us) {
-    world.step(10);
-    if (world.now_us() > 4'000'000 && !observe()) return played;
-  }
-  if (!command.empty()) simulation::command(world.simulation(), command);
-  played.torque = 0.0;
-  const auto end_us = kReady_us + static_cast<std::uint64_t>(1e6 * for_s);
-  Eigen::Vector3d half_p = Eigen::Vector3d::Zero();
-  double half_yaw_rad = 0.0;
-  double turned_rad = 0.0;
-  double last_yaw_rad = 0.0;
-  std::uint64_t half_us = 0;
-  while (world.now_us() < end_us) {
-    world.step(10);
-    if (!observe()) break;
-    const auto& truth = world.recorder().truth();
-    if (half_us == 0 && world.now_us() >= (kReady_us + end_us) / 2) {
-      half_us = world.now_us();
-      half_p = truth.p_WB_W;
-      half_yaw_rad = last_yaw_rad = truth.rpy_rad.z();
-    } else if (half_us != 0) {
-      turned_rad += yaw_difference(last_yaw_rad, truth.rpy_rad.z());
-      last_yaw_rad = truth.rpy_rad.z();
-    }
-  }
-  if (half_us != 0 && !played.lost) {
-    const double time_s = 1e-6 * static_cast<double>(world.now_us() - half_us);
-    const Eigen::Vector3d way = world.recorder().truth().p_WB_W - half_p;
-    played.speed_m_per_s = {(way.x() * std::cos(half_yaw_rad) + way.y() * std::sin(half_yaw_rad)) / time_s,
-                            (way.y() * std::cos(half_yaw_rad) - way.x() * std::sin(half_yaw_rad)) / time_s};
-    played.turn_rad_per_s = turned_rad / time_s;
-  }
-  played.touching = touching_of(world);
-  return played;
-}
-
-class Ladder {
- public:
-  Ladder(const BringUpOptions& options, const std::function<void(const std::string&)>& progress)
+  Climber(const BringUpOptions& options, const std::function<void(const std::string&)>& progress)
       : options_(options),
         progress_(progress),
-        clock_(options.budget_s),
+        end_(std::chrono::steady_clock::now() +
+             std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                 std::chrono::duration<double>(options.budget_s))),
         folder_(options.robot.parent_path()),
+        lock_(folder_.empty() ? "." : folder_),
         robot_(sim_board::load_robot(options.robot)),
         reference_(simulation::read_robot_parameters(options.reference)),
-        reference_body_(measure(sim_board::load_robot(options.reference))),
-        origin_("Written by koboshi bring-up") {}
+        reference_body_(measure(sim_board::load_robot(options.reference))) {}
 
   BringUpResult run() {
-    for (const char* name :
-         {"parameters.yaml", "motions/stand.yaml", "motions/squat.yaml", "go.yaml", "bring-up.md"})
-      check_writable(folder_ / name);
+    resume();
     bool going = true;
-    for (const auto& [name, climb] : rungs()) {
-      Rung rung{.name = name, .figure = {}, .cause = {}};
-      if (going) {
-        progress_(rung.name);
-        try {
-          (this->*climb)(rung);
-        } catch (const InputError& error) {
-          fail(rung, error.what());
-        }
-        going = rung.result == Rung::Result::kReached && options_.until != name;
-        progress_(fmt::format("{}: {}", rung.name,
-                              rung.result == Rung::Result::kFailed ? rung.cause : rung.figure));
-      }
+    for (std::size_t i = 0; i < kRungs.size(); ++i) {
+      rung_ = i;
+      Rung rung{.name = kRungs[i].name, .figure = {}, .cause = {}};
+      const auto needed = result_.rungs.begin() + static_cast<std::ptrdiff_t>(std::min(i, kRungs[i].needs));
+      if (going &&
+          std::all_of(result_.rungs.begin(), needed, [](const Rung& below) { return below.is_passed(); }))
+        rung = climbed(rung);
+      going = going && options_.until != kRungs[i].name;
       result_.rungs.push_back(std::move(rung));
     }
-    for (const char* name : {"falls protected", "gets up from the front", "gets up from the back"}) {
-      result_.rungs.push_back(
-          {.name = name,
-           .figure = {},
-           .cause = "no motions for it are made yet: import or write them (docs/guide/import-a-robot.md)"});
-    }
-    write("bring-up.md", page());
+    commit();
+    result_.searched = journal_.searched;
+    for (const auto& [name, hash] : journal_.hashes) result_.files.push_back(folder_ / name);
+    for (const char* name : {kJournal, kPage}) result_.files.push_back(folder_ / name);
     return std::move(result_);
   }
 
-  using Climb = void (Ladder::*)(Rung&);
-  static std::array<std::pair<const char*, Climb>, 8> rungs() {
-    return {{{"loads", &Ladder::load},
-             {"hangs", &Ladder::hang},
-             {"stands", &Ladder::stand},
-             {"squats", &Ladder::squat},
-             {"steps on the spot", &Ladder::march},
-             {"walks forward", &Ladder::walk},
-             {"walks sideways", &Ladder::sidestep},
-             {"turns", &Ladder::turn}}};
-  }
+  using Climb = Rung (Climber::*)();
+  struct Step {
+    const char* name;
+    Climb climb;
+    std::size_t needs = kAllBelow;  // number of the first rungs that must be passed
+  };
+  static constexpr std::size_t kAllBelow = static_cast<std::size_t>(-1);
+  static constexpr std::size_t kUpToSquats = 5;
+  static const std::array<Step, 12> kRungs;
 
  private:
-  static void fail(Rung& rung, const std::string& cause) {
-    rung.result = Rung::Result::kFailed;
-    rung.cause = cause;
+  // --- Earlier calls
+
+  // Reads what an earlier call has left, and refuses files that are not its own.
+  void resume() {
+    for (const char* name : {"parameters.yaml", "motions/stand.yaml", "motions/squat.yaml",
+                             "motions/shift.yaml", "go.yaml", kPage})
+      static_cast<void>(read_own(folder_ / name));
+    std::vector<fs::path> files = robot_files(options_.robot);
+    for (const fs::path& file : robot_files(options_.reference)) files.push_back(file);
+    files.push_back(reference_.file);
+    const std::array<std::string, 1> settings{
+        fmt::format("{} {} {} {}", options_.stepper, options_.world, options_.first_seed, options_.seeds)};
+    base_hash_ = hash_inputs(files, settings);
+    if (options_.restart) return;
+    const std::optional<Journal> journal = read_journal(folder_ / kJournal);
+    if (!journal || !journal->is_complete) return;
+    for (const auto& [name, hash] : journal->hashes) {
+      if (made_at(name) > 0 && is_foreign(folder_ / name)) continue;  // the user's own
+      const std::optional<std::string> text = read_own(folder_ / name);
+      if (text && hash_of(*text) != hash)
+        throw InputError(folder_ / name, 0, "changes since bring-up has written it",
+                         "none (to write it again: --restart)");
+      if (!text) return;
+    }
+    before_ = *journal;
   }
-  static void reach(Rung& rung, const std::string& figure) {
-    rung.result = Rung::Result::kReached;
-    rung.figure = figure;
-    rung.cause.clear();  // of a try before the search
+
+  // The rung that makes a file.
+  static std::size_t made_at(const fs::path& file) {
+    const std::string name = file.stem().string();
+    if (name.starts_with("fall_")) return rung_of("falls protected");
+    if (name.starts_with("rise_supine")) return rung_of("gets up from the back");
+    const bool is_front = name.starts_with("rise_") || name.starts_with("roll_");
+    return is_front ? rung_of("gets up from the front") : 0;
+  }
+  // Returns whether a file is made below a rung, which depends on it.
+  static bool is_input_of(std::string_view rung, const fs::path& file) {
+    return file != "go.yaml" && file.extension() != ".csv" && rung_of(rung) > made_at(file);
+  }
+
+  // The hash of what a rung depends on. The first one makes the files from the robot.
+  std::string inputs_of(const char* rung) const {
+    std::string text = base_hash_ + rung;
+    if (current_) {
+      for (const auto& [name, content] : current_->files()) {
+        if (is_input_of(rung, name)) text += name.string() + content;
+      }
+    }
+    // Motions of the user's own, which the rungs of falling and getting up play as they are.
+    for (const std::string_view name : motion::kMotionNames) {
+      const fs::path file = folder_ / "motions" / (std::string(name) + ".yaml");
+      if (rung_of(rung) >= made_at(file) && is_foreign(file)) text += read_text_file(file, "a motion");
+    }
+    return hash_of(text);
+  }
+
+  // Takes the rung from an earlier call, or climbs it and writes the files.
+  Rung climbed(const Rung& untried) {
+    const std::string inputs = inputs_of(untried.name.c_str());
+    const JournalEntry* known = before_ ? before_->find(untried.name) : nullptr;
+    const bool is_same = known != nullptr && known->inputs == inputs;
+    const std::string place = fmt::format("{} of {}, {}", rung_ + 1, kRungs.size(), untried.name);
+    if (is_same && known->rung.is_passed() && take_over(*known)) {
+      progress_(fmt::format("{}: as before, {}", place, known->rung.text()));
+      return known->rung;
+    }
+    progress_(place);
+    Rung rung = untried;
+    try {
+      rung = (this->*kRungs[rung_].climb)();
+      rung.name = untried.name;
+    } catch (const InputError& error) {
+      rung.result = Rung::Result::kFailed;
+      rung.cause = error.what();
+    }
+    // The search may have changed the files, and with them the inputs.
+    journal_.entries.push_back({rung, rung_ == 0 ? inputs : inputs_of(untried.name.c_str())});
+    commit();
+    progress_(fmt::format("{}: {}", place, rung.text()));
+    return rung;
+  }
+
+  bool take_over(const JournalEntry& known) {
+    if (rung_ == 0) {
+      model_ = simulation::load_named_model(robot_);
+      journal_.factors = before_->factors;
+      journal_.searched = before_->searched;
+      journal_.walked_m_per_s = before_->walked_m_per_s;
+      current_ = make(journal_.factors);
+      for (const auto& [name, text] : current_->files()) {
+        const auto hash = before_->hashes.find(name.string());
+        if (name != "go.yaml" && (hash == before_->hashes.end() || hash->second != hash_of(text))) {
+          journal_ = {};
+          before_.reset();
+          return false;
+        }
+      }
+    }
+    // Files that this rung has made in the earlier call.
+    for (const auto& [name, hash] : before_->hashes) {
+      std::error_code missing;
+      if (rung_ > 0 && made_at(name) == rung_ && fs::exists(folder_ / name, missing))
+        current_->files()[name] = read_text_file(folder_ / name, "a file");
+    }
+    journal_.entries.push_back(known);
+    return true;
   }
 
   // --- Files
 
-  static void check_writable(const std::filesystem::path& file) {
+  std::string go_text(const StartValues& values, const std::string& joints_text,
+                      const RobotFiles& files) const {
+    const double forward_m_per_s =
+        journal_.walked_m_per_s.value_or(0.3 * values.value("highest_velocity_forward_mm_per_s") / 1e3);
+    std::string motions;
+    for (const std::string& name : motion_names(files)) motions += (motions.empty() ? "" : ", ") + name;
+    return fmt::format(
+        "# {}: stands, and walks forward.\nversion: 1\nrobot: robot.sdf\nmotions: [{}]\nduration_s: "
+        "15\nseed: 1\ninitial:\n  held_until_s: 3.5\n  joints_deg: {{{}}}\ncommands:\n  - {{at_s: 2, "
+        "enable: true}}\n  - {{at_s: 5, walk: {{forward_m_per_s: {:.3f}}}}}\n  - {{at_s: 12, stop: true}}\n",
+        kOrigin, motions, joints_text, forward_m_per_s);
+  }
+
+  std::shared_ptr<TriedRobot> make(const StartFactors& factors) const {
+    StartValues values = scaled_values(reference_, reference_body_, robot_, *model_, factors);
+    const StandingPose pose = standing_pose(values, *model_, kOrigin);
+    RobotFiles files{{"parameters.yaml", parameters_text(values, kOrigin)},
+                     {"motions/stand.yaml", pose.stand_text},
+                     {"motions/squat.yaml", pose.squat_text},
+                     {"motions/shift.yaml", pose.shift_text}};
+    files["go.yaml"] = go_text(values, pose.joints_text, files);
+    return std::make_shared<TriedRobot>(std::move(files), std::move(values), pose.step_s, options_.robot,
+                                        scratch_);
+  }
+
+  void write(const fs::path& name, const std::string& text) const {
+    const fs::path file = folder_ / name;
     std::error_code missing;
-    if (std::filesystem::exists(file, missing) &&
-        read_text_file(file, "a file").find("Written by koboshi bring-up") == std::string::npos)
-      throw InputError(file, 0, "a file that bring-up has not written",
-                       "none, or one of an earlier bring-up: move it away");
-  }
-
-  void write(const std::string& name, const std::string& text) {
-    const std::filesystem::path file = folder_ / name;
-    std::filesystem::create_directories(file.parent_path());
+    if (fs::exists(file, missing) && read_text_file(file, "a file") == text) return;
+    fs::create_directories(file.parent_path());
     write_whole_file(file, text);
-    if (std::ranges::find(result_.files, file) == result_.files.end()) result_.files.push_back(file);
   }
 
-  void write_values(const StartFactors& factors) {
-    values_ = scaled_values(reference_, reference_body_, robot_, *model_, factors);
-    const StandingPose pose = standing_pose(*values_, *model_, origin_);
-    write("parameters.yaml", parameters_text(*values_, origin_));
-    write("motions/stand.yaml", pose.stand_text);
-    write("motions/squat.yaml", pose.squat_text);
-    write(
-        "go.yaml",
-        fmt::format(
-            "# {}: stands, and walks forward.\nversion: 1\nrobot: robot.sdf\nmotions: [stand, "
-            "squat]\nduration_s: 15\nseed: 1\n"
-            "initial:\n  held_until_s: 3.5\n  joints_deg: {{{}}}\ncommands:\n  - {{at_s: 2, enable: true}}\n"
-            "  - {{at_s: 5, walk: {{forward_m_per_s: {:.3f}}}}}\n  - {{at_s: 12, stop: true}}\n",
-            origin_, pose.joints_text, forward_m_per_s()));
-  }
-
-  double forward_m_per_s() const {
-    return walked_m_per_s_.value_or(0.3 * values_->value("highest_velocity_forward_mm_per_s") / 1e3);
-  }
-
-  simulation::Scenario scenario(std::uint64_t seed, bool fixed_base = false) const {
-    std::vector<Override> overrides{
-        {"physics.stepper", options_.stepper}, {"seed", std::to_string(seed)}, {"duration_s", "1000"}};
-    overrides.push_back({"commands", "[{at_s: 2, enable: true}]"});
-    if (fixed_base) overrides.push_back({"initial.held_until_s", "900"});
-    overrides.push_back(text_override("world", options_.world, "world"));
-    return simulation::read_scenario(folder_ / "go.yaml", overrides);
-  }
-
-  // Plays the same command on several robots of other seeds.
-  std::vector<Played> play_all(const std::string& command, double for_s, std::uint64_t first_seed,
-                               std::size_t count, bool fixed_base = false) const {
-    std::vector<Played> all(count);
-    simulation::for_each_parallel(count, options_.jobs, [&](std::size_t i) {
-      try {
-        all[i] = play(scenario(first_seed + i, fixed_base), command, for_s);
-      } catch (const sim_board::WorldBlewUp& error) {
-        all[i].lost = true;
-        all[i].reason = one_line(error.what());
-      }
-    });
-    return all;
-  }
-  std::vector<Played> play_rung(const std::string& command, double for_s, bool fixed_base = false) const {
-    return play_all(command, for_s, options_.first_seed, options_.seeds, fixed_base);
-  }
-
-  // Those that are lost, or not in the state that they should be in.
-  static std::size_t losses(const std::vector<Played>& all, State state) {
-    return static_cast<std::size_t>(
-        std::ranges::count_if(all, [&](const Played& one) { return one.lost || one.state != state; }));
-  }
-  std::string cause_of(const std::vector<Played>& all, State state) const {
-    std::string cause = "it is not lost";
-    for (const Played& one : all) {
-      if (!one.lost && one.state == state) continue;
-      cause = one.lost ? fmt::format("{} of {} robots fall, the first {:.1f} s after the command",
-                                     losses(all, state), all.size(), one.at_s)
-                       : fmt::format("the robot is {}: {}", name_of(one.state), one.reason);
-      if (!one.touching.empty()) cause += "; " + one.touching;
-      break;
+  // Writes the files of the present robot. A program that ends in between leaves an incomplete journal, and
+  // the next call begins anew.
+  void commit() {
+    if (current_) {
+      const StandingPose pose = standing_pose(current_->values(), *model_, kOrigin);
+      current_->files()["go.yaml"] = go_text(current_->values(), pose.joints_text, current_->files());
     }
-    return cause;
-  }
-  static double largest(const std::vector<Played>& all, double Played::*member) {
-    double value = 0.0;
-    for (const Played& one : all) value = std::max(value, one.*member);
-    return value;
+    Journal next = journal_;
+    next.hashes.clear();
+    const RobotFiles files = current_ ? current_->files() : RobotFiles();
+    for (const auto& [name, text] : files) next.hashes[name.string()] = hash_of(text);
+    if (next.hashes != journal_.hashes) {
+      journal_.is_complete = false;
+      write(kJournal, journal_text(journal_));
+    }
+    for (const auto& [name, text] : files) write(name, text);
+    journal_ = std::move(next);
+    journal_.is_complete = true;
+    write(kPage, page());
+    write(kJournal, journal_text(journal_));
   }
 
   // --- Rungs
 
-  void load(Rung& rung) {
+  PlayOptions play_options() const {
+    return {.stepper = options_.stepper,
+            .world = options_.world,
+            .first_seed = options_.first_seed,
+            .seeds = options_.seeds,
+            .jobs = options_.jobs,
+            .go_on = options_.go_on};
+  }
+
+  Rung load() {
     model_ = simulation::load_named_model(robot_);
-    write_values({});
+    current_ = make({});
     std::string lost;
     for (const simulation::LostAbility& ability : simulation::find_lost_abilities(model_->model))
       lost += (lost.empty() ? "; without " : ", ") + ability.name;
     const BodyMeasures body = measure(robot_);
-    reach(rung, fmt::format(
-                    "{} joints, {:.2f} kg, legs of {:.0f} mm, the centre of mass {:.0f} mm above the soles{}",
-                    robot_.joints.size(), robot_.total_mass_kg(), kMmPerM * body.leg_m, kMmPerM * body.com_m,
-                    lost));
+    return {.name = {},
+            .result = Rung::Result::kReached,
+            .figure = fmt::format(
+                "{} joints, {:.2f} kg, legs of {:.0f} mm, the centre of mass {:.0f} mm above the "
+                "soles, {:.0f} mm in the standing pose with {:.0f} % of the legs' length; a "
+                "leg's servos are {:.1f} times as stiff as gravity tips it{}",
+                robot_.joints.size(), robot_.total_mass_kg(), kMmPerM * body.leg_m, kMmPerM * body.com_m,
+                kMmPerM * current_->values().com_height_m, 100.0 * current_->values().leg_use,
+                body.pitch_stiffness_Nm_per_rad / (body.weight_N * body.com_m), lost),
+            .cause = {}};
   }
 
-  void hang(Rung& rung) {
-    const std::vector<Played> all = play_rung({}, 3.0, /*fixed_base=*/true);
-    for (const Played& one : all) {
-      if (!one.touching.empty()) return fail(rung, one.touching);
-      if (one.state != State::kStanding)
-        return fail(rung, fmt::format("the robot is {}: {}", name_of(one.state), one.reason));
-    }
-    reach(rung, "its drives hold the pose, and no links touch");
+  Rung hang() { return tools::hang(*current_, play_options()); }
+  Rung stand() { return tools::stand(*current_, play_options()); }
+  Rung shift() { return tools::shift_weight(*current_, play_options()); }
+  Rung squat() { return tools::squat(*current_, play_options()); }
+
+  Rung march() {
+    Rung rung = tools::march(*current_, play_options());
+    if (rung.result == Rung::Result::kReached || !searched(forward_walk(), 0.0)) return rung;
+    return tools::march(*current_, play_options());
   }
 
-  void stand(Rung& rung) {
-    const std::vector<Played> all = play_rung({}, 10.0);
-    const std::size_t lost = losses(all, State::kStanding);
-    const double lean_rad = largest(all, &Played::lean_rad);
-    if (lost > 0 || lean_rad > kUpright_rad)
-      return fail(rung, lost > 0 ? cause_of(all, State::kStanding)
-                                 : fmt::format("leans by {:.1f} degrees", kDegreesPerRad * lean_rad));
-    reach(
-        rung,
-        fmt::format(
-            "{} of {} robots for 10 s, lean at most {:.1f} degrees, torque at most {:.0f} % of the rated one",
-            all.size(), all.size(), kDegreesPerRad * lean_rad, 100.0 * largest(all, &Played::torque)));
+  Rung walk() { return walk_by(forward_walk(), 0.5); }
+  Rung sidestep() { return walk_by(sideways_walk(), 0.0); }
+  Rung turn() {
+    // As the firmware's ability of this name (simulation/model/abilities.h).
+    if (!model_->model.find(robot::JointRole::kLeftHipYaw) ||
+        !model_->model.find(robot::JointRole::kRightHipYaw))
+      return {.name = {},
+              .result = Rung::Result::kImpossible,
+              .figure = {},
+              .cause = "legs without hip yaw do not turn the robot"};
+    return walk_by(turning_walk(), 0.0);
   }
 
-  void squat(Rung& rung) {
-    const std::vector<Played> all = play_rung("play: squat", 12.0 * std::max(1.0, values_->time_scale));
-    if (losses(all, State::kStanding) > 0) return fail(rung, cause_of(all, State::kStanding));
-    reach(rung, fmt::format("{} of {} robots, torque at most {:.0f} % of the rated one", all.size(),
-                            all.size(), 100.0 * largest(all, &Played::torque)));
-  }
-
-  double walk_s() const { return 6.0 * std::max(1.0, values_->time_scale); }
-
-  static std::string walk_command(double forward_m_per_s, double left_m_per_s, double turn_rad_per_s) {
-    return fmt::format("walk: {{forward_m_per_s: {:.4f}, left_m_per_s: {:.4f}, turn_rad_per_s: {:.4f}}}",
-                       forward_m_per_s, left_m_per_s, turn_rad_per_s);
-  }
-
-  void march(Rung& rung) {
-    std::vector<Played> all = play_rung(walk_command(0, 0, 0), walk_s());
-    if (losses(all, State::kWalking) > 0) {
-      search(0.0);
-      all = play_rung(walk_command(0, 0, 0), walk_s());
-    }
-    if (losses(all, State::kWalking) > 0) return fail(rung, cause_of(all, State::kWalking));
-    reach(rung, fmt::format("{} of {} robots for {:.0f} s, lean at most {:.1f} degrees", all.size(),
-                            all.size(), walk_s(), kDegreesPerRad * largest(all, &Played::lean_rad)));
-  }
-
-  static double mean(const std::vector<Played>& all, const std::function<double(const Played&)>& value) {
-    double sum = 0.0;
-    for (const Played& one : all) sum += value(one);
-    return sum / static_cast<double>(all.size());
-  }
-
-  // A kind of walk: the key of its limit, its command for a speed, and what a robot made good of it. The
-  // limit has the unit of a thousandth of the speed's.
-  struct Walk {
-    const char* limit;
-    std::function<std::string(double)> command;
-    std::function<double(const Played&)> made_good;
-    const char* unit;
-  };
-  static Walk forward() {
-    return {"highest_velocity_forward_mm_per_s", [](double speed) { return walk_command(speed, 0, 0); },
-            [](const Played& one) { return one.speed_m_per_s[0]; }, "m/s"};
-  }
-  static Walk sideways() {
-    return {"highest_velocity_lateral_mm_per_s", [](double speed) { return walk_command(0, speed, 0); },
-            [](const Played& one) { return one.speed_m_per_s[1]; }, "m/s"};
-  }
-  static Walk turning() {
-    return {"highest_turn_mrad_per_s", [](double speed) { return walk_command(0, 0, speed); },
-            [](const Played& one) { return one.turn_rad_per_s; }, "rad/s"};
-  }
-
-  double highest(const Walk& walk) const { return 1e-3 * values_->value(walk.limit); }
-
-  // Climbs levels of an eighth of the limit, from a quarter of it on, while no robot is lost and all make
-  // good half of the speed in the mean. Returns the last speed, or nothing, with the figure or the cause.
-  std::optional<double> fastest(const Walk& walk, Rung& rung) const {
-    constexpr double kLeastShare = 0.5;
-    std::optional<double> best;
-    for (int level = 2; level <= 8; ++level) {
-      const double speed = 0.99 * highest(walk) * level / 8.0;
-      const std::vector<Played> all = play_rung(walk.command(speed), walk_s());
-      const double good = mean(all, walk.made_good);
-      const bool lost = losses(all, State::kWalking) > 0;
-      if (lost || good < kLeastShare * speed) {
-        if (!best)
-          fail(rung,
-               lost ? fmt::format("told {:.3f} {}, {}", speed, walk.unit, cause_of(all, State::kWalking))
-                    : fmt::format("told {:.3f} {}, the robots make good {:.3f}", speed, walk.unit, good));
+  // Climbs a walk. Below this share of the highest speed a search tries to reach half of it, or the lowest
+  // level if the robots do not walk at all. Its result stays only if the robots then walk faster, or as fast
+  // and make more of it good.
+  Rung walk_by(const Walk& walk, double wanted_share) {
+    constexpr int kMostSearches = 2;  // for the lowest level, then for half of the highest speed
+    const bool is_forward = rung_of("walks forward") == rung_;
+    WalkRung best = fastest(*current_, play_options(), walk);
+    if (is_forward) journal_.walked_m_per_s = best.speed;
+    for (int i = 0; i < kMostSearches; ++i) {
+      const double highest = walk.highest(current_->values());
+      if (best.speed && *best.speed >= wanted_share * highest) break;
+      const Kept kept{current_, journal_, result_.rungs};
+      if (!searched(walk, best.speed ? wanted_share * highest : kLowestLevel * highest)) break;
+      WalkRung after = fastest(*current_, play_options(), walk);
+      if (!is_better(after, best)) {
+        progress_("the robots walk no better with the values of the search: they are dropped");
+        put_back(kept);
         break;
       }
-      best = speed;
-      reach(rung, fmt::format("{0} of {0} robots told {1:.3f} {3} make good {2:.3f} {3}", all.size(), speed,
-                              good, walk.unit));
+      best = std::move(after);
+      if (is_forward) journal_.walked_m_per_s = best.speed;
     }
-    return best;
+    return best.rung;
   }
 
-  void walk(Rung& rung) {
-    const double wanted = 0.5 * highest(forward());
-    walked_m_per_s_ = fastest(forward(), rung);
-    if (!walked_m_per_s_ || *walked_m_per_s_ < wanted) {
-      search(wanted);
-      walked_m_per_s_ = fastest(forward(), rung);
-    }
-    write_values(factors_);  // go.yaml walks at this speed
+  Rung fall() {
+    add_motions({"fall_front", "fall_back", "fall_left", "fall_right"});
+    Rung rung = tools::protect_falls(*current_, play_options());
+    if (rung.result == Rung::Result::kReached) rung.figure += notes_;
+    return rung;
   }
-  void sidestep(Rung& rung) { fastest(sideways(), rung); }
-  void turn(Rung& rung) { fastest(turning(), rung); }
+  Rung rise_prone() { return rise("rise_prone", Lying::kProne); }
+  Rung rise_supine() { return rise("rise_supine", Lying::kSupine); }
+
+  // Plays a motion for getting up and, where it fails, searches for a better one.
+  Rung rise(const char* name, Lying lying) {
+    add_motions({name, "roll_left", "roll_right"});
+    Rung rung = tools::get_up(*current_, play_options(), lying);
+    const fs::path file = fs::path("motions") / (std::string(name) + ".yaml");
+    const bool is_own = motions_.contains(name);
+    if (rung.result == Rung::Result::kFailed && is_own) {
+      const RiseSearch search{.make =
+                                  [&](const RecoveryMotion& motion) {
+                                    RobotFiles files = current_->files();
+                                    files[file] = motion.text(kOrigin);
+                                    return current_->with(std::move(files));
+                                  },
+                              .is_enough =
+                                  [&](const TriedRobot& robot) {
+                                    return tools::get_up(robot, play_options(), lying).result ==
+                                           Rung::Result::kReached;
+                                  },
+                              .lying = lying,
+                              .play = play_options(),
+                              .progress = progress_};
+      const SearchEnd end(options_.candidates, end_);
+      const SearchedMotion found = search_rise(search, motions_.at(name), options_.candidates, end);
+      journal_.searched += found.candidates;
+      if (found.candidates > 0) current_->files()[std::string(name) + "-search.csv"] = csv_head() + found.log;
+      if (found.motion) {
+        current_->files()[file] = found.motion->text(kOrigin);
+        rung = tools::get_up(*current_, play_options(), lying);
+        if (rung.result == Rung::Result::kReached)
+          rung.figure +=
+              fmt::format(", with a motion that was searched for ({} candidates)", found.candidates);
+      }
+    }
+    if (rung.result == Rung::Result::kReached) rung.figure += notes_;
+    return rung;
+  }
+
+  static std::string csv_head() { return std::string("# ") + kOrigin + "\n"; }
+
+  // Adds motions that the reference robot has to the files, unless the robot has its own.
+  void add_motions(const std::vector<std::string>& names) {
+    notes_.clear();
+    const StandingPose pose = standing_pose(current_->values(), *model_, kOrigin);
+    for (const std::string& name : names) {
+      const fs::path file = fs::path("motions") / (name + ".yaml");
+      if (is_foreign(folder_ / file)) {
+        current_->files()[file] = read_text_file(folder_ / file, "a motion");
+        continue;
+      }
+      if (current_->files().contains(file) && name.starts_with("roll_")) continue;
+      RecoveryMotion motion = RecoveryMotion::retarget(name, options_.reference, robot_, pose.joints_deg,
+                                                       current_->values().time_scale);
+      current_->files()[file] = motion.text(kOrigin);
+      for (const std::string& note : motion.notes()) {
+        if (notes_.find(note) == std::string::npos) notes_ += "; " + note;
+      }
+      motions_.insert_or_assign(name, std::move(motion));
+    }
+  }
+
+  static bool is_better(const WalkRung& after, const WalkRung& before) {
+    if (!after.speed || !before.speed) return after.speed.has_value();
+    // Levels are an eighth of the limit, which no factor changes.
+    if (*after.speed != *before.speed) return *after.speed > *before.speed;
+    return after.made_good > before.made_good;
+  }
+
+  static std::size_t rung_of(std::string_view name) {
+    return static_cast<std::size_t>(
+        std::ranges::find_if(kRungs, [&](const Step& step) { return step.name == name; }) - kRungs.begin());
+  }
 
   // --- Search
 
-  struct Score {
-    double value = 0.0;
-    bool carries_all = false;  // no robot is lost
+  struct Kept {
+    std::shared_ptr<TriedRobot> robot;
+    Journal journal;
+    std::vector<Rung> rungs;
   };
 
-  // How well robots of the search walk: those that are lost count by how long they last, the others by what
-  // they make good of the speed and how little they lean.
-  Score score(double forward_m_per_s) const {
-    constexpr std::size_t kRobots = 3;
-    const std::vector<Played> all =
-        play_all(walk_command(forward_m_per_s, 0, 0), walk_s(), kSearchSeed, kRobots);
-    double sum = 0.0;
-    for (const Played& one : all) {
-      const double good = forward_m_per_s > 0.0 ? std::min(1.0, one.speed_m_per_s[0] / forward_m_per_s) : 1.0;
-      const bool walks = !one.lost && one.state == State::kWalking;
-      sum += walks ? 1.0 + 0.5 * good - one.lean_rad : 0.9 * std::clamp(one.at_s / walk_s(), 0.0, 1.0);
-    }
-    return {sum / kRobots, losses(all, State::kWalking) == 0};
+  // As before a search, but for the number of its candidates.
+  void put_back(const Kept& kept) {
+    const std::size_t candidates = journal_.searched;
+    current_ = kept.robot;
+    journal_ = kept.journal;
+    journal_.searched = candidates;
+    result_.rungs = kept.rungs;
   }
 
-  // Tries other factors, at random and ever closer around the best, until they carry all robots and a number
-  // of candidates has brought nothing more. Half of the time that is left is for it.
-  void search(double forward_m_per_s) {
-    constexpr std::size_t kPatience = 25;
-    const Clock clock = clock_.half();
-    sim_board::RandomStream random(1, "bring-up");
-    StartFactors best = factors_;
-    Score best_score = score(forward_m_per_s);
-    std::size_t since = 0;
-    for (std::size_t i = 0; i < kMostCandidates && !clock.is_over(); ++i, ++since) {
-      if (best_score.carries_all && since >= kPatience) break;
-      const double width = best_score.carries_all ? 0.3 : 1.0;
-      const auto about = [&](double value, double reach, double low, double high) {
-        return std::clamp(value + width * reach * (2.0 * random.uniform() - 1.0), low, high);
-      };
-      const StartFactors candidate{.com_height = about(best.com_height, 0.08, 0.85, 1.05),
-                                   .step_time = about(best.step_time, 0.3, 0.6, 1.8),
-                                   .compliance = about(best.compliance, 0.6, 0.0, 2.5),
-                                   .gains = about(best.gains, 0.6, 0.0, 2.5),
-                                   .trunk_pitch_deg = about(best.trunk_pitch_deg, 5.0, -8.0, 12.0)};
-      try {
-        write_values(candidate);
-      } catch (const InputError&) {
-        continue;  // out of the legs' reach
-      }
-      ++result_.searched;
-      const Score candidate_score = score(forward_m_per_s);
-      if (candidate_score.value <= best_score.value) continue;
-      best_score = candidate_score;
-      best = candidate;
-      since = 0;
-      progress_(fmt::format("search {}: score {:.2f} with {}", i + 1, best_score.value, factors_text(best)));
+  // Whether the rungs below the present one carry a robot. `measured` receives what they are.
+  bool lower_rungs(const TriedRobot& robot, std::vector<Rung>* measured = nullptr) const {
+    using Measure = Rung (*)(const TriedRobot&, const PlayOptions&);
+    constexpr std::array<Measure, 5> kMeasures{tools::hang, tools::stand, tools::shift_weight, tools::squat,
+                                               tools::march};
+    const PlayOptions play = play_options();
+    for (std::size_t i = 0; i < kMeasures.size() && i + 1 < rung_; ++i) {
+      Rung rung = kMeasures[i](robot, play);
+      if (rung.result != Rung::Result::kReached) return false;
+      if (measured != nullptr) measured->push_back(std::move(rung));
     }
-    factors_ = best;
-    write_values(best);
+    if (rung_ <= rung_of("walks forward")) return true;
+    if (!walks_at(robot, play, forward_walk(), *journal_.walked_m_per_s)) return false;
+    if (measured != nullptr) {
+      measured->push_back(fastest(robot, play, forward_walk()).rung);
+      if (measured->back().result != Rung::Result::kReached) return false;
+    }
+    if (rung_ <= rung_of("walks sideways")) return true;
+    Rung sideways = fastest(robot, play, sideways_walk()).rung;
+    if (sideways.result != Rung::Result::kReached) return false;
+    if (measured != nullptr) measured->push_back(std::move(sideways));
+    return true;
   }
 
-  static std::string factors_text(const StartFactors& factors) {
-    return fmt::format(
-        "CoM height x {:.3f}, step time x {:.3f}, compliance x {:.2f}, gains x {:.2f}, lean {:+.1f} degrees",
-        factors.com_height, factors.step_time, factors.compliance, factors.gains, factors.trunk_pitch_deg);
+  // Searches for better values and, if there are any, takes them and measures the rungs below again.
+  bool searched(const Walk& walk, double speed) {
+    PlayOptions play = play_options();
+    play.first_seed = kSearchSeed;
+    play.seeds = std::min(kSearchRobots, options_.seeds);
+    const ValueSearch search{.make = [this](const StartFactors& factors) { return make(factors); },
+                             .lower_rungs = [this](const TriedRobot& robot) { return lower_rungs(robot); },
+                             .walk = walk,
+                             .speed = speed,
+                             .play = play,
+                             .progress = progress_};
+    const SearchedValues found = search_values(search, journal_.factors, *current_,
+                                               SearchEnd(options_.candidates, end_), journal_.searched);
+    journal_.searched += found.candidates;
+    if (!found.robot) return false;
+    std::vector<Rung> measured;
+    if (!lower_rungs(*found.robot, &measured)) return false;
+    current_ = found.robot;
+    journal_.factors = found.factors;
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+      const char* name = kRungs[i + 1].name;
+      measured[i].name = name;
+      journal_.entries[i + 1] = {measured[i], inputs_of(name)};
+      result_.rungs[i + 1] = measured[i];
+    }
+    return true;
   }
 
   std::string page() const {
     std::string text = fmt::format(
         "# {}\n\n{}, with seeds {} to {} in worlds `{}`, stepper `{}`.\n\n| rung | reached | figure, or "
         "cause |\n| --- | --- | --- |\n",
-        model_ ? model_->robot : robot_.name, origin_, options_.first_seed,
+        model_ ? model_->robot : robot_.name, kOrigin, options_.first_seed,
         options_.first_seed + options_.seeds - 1, options_.world, options_.stepper);
-    for (const Rung& rung : result_.rungs) {
-      const char* reached = rung.result == Rung::Result::kReached  ? "yes"
-                            : rung.result == Rung::Result::kFailed ? "**no**"
-                                                                   : "not tried";
-      text += fmt::format("| {} | {} | {} |\n", rung.name, reached,
-                          rung.cause.empty() ? rung.figure : rung.cause);
+    for (const Step& step : kRungs) {
+      const JournalEntry* entry = journal_.find(step.name);
+      const Rung::Result result = entry == nullptr ? Rung::Result::kNotTried : entry->rung.result;
+      text += fmt::format("| {} | {} | {} |\n", step.name, mark_of(result),
+                          entry == nullptr ? std::string() : entry->rung.text());
     }
     text += fmt::format("\nThe start values are scaled from {}", reference_.robot.text);
-    if (result_.searched > 0)
-      text += fmt::format("; a search over {} candidates changed them: {}", result_.searched,
-                          factors_text(factors_));
+    if (journal_.searched > 0)
+      text += fmt::format("; a search over {} candidates gave: {}", journal_.searched,
+                          factors_text(journal_.factors));
     return text + ".\n\n    koboshi run go.yaml\n";
   }
 
   const BringUpOptions& options_;
   const std::function<void(const std::string&)>& progress_;
-  const Clock clock_;
-  const std::filesystem::path folder_;
+  const std::chrono::steady_clock::time_point end_;
+  const fs::path folder_;
+  const FolderLock lock_;
+  const ScratchFolder scratch_;
   const sim_board::RobotDescription robot_;
   const simulation::RobotParameters reference_;
   const BodyMeasures reference_body_;
-  const std::string origin_;
+  std::string base_hash_;
+  std::optional<Journal> before_;  // of an earlier call, as long as it applies
+  Journal journal_;
+  std::size_t rung_ = 0;
   std::optional<simulation::NamedModel> model_;
-  std::optional<StartValues> values_;
-  StartFactors factors_;
-  std::optional<double> walked_m_per_s_;
+  std::shared_ptr<TriedRobot> current_;
+  std::map<std::string, RecoveryMotion> motions_;  // for recovery, by name, before a search
+  std::string notes_;                              // about those of the present rung, each after "; "
   BringUpResult result_;
 };
+
+const std::array<Climber::Step, 12> Climber::kRungs{
+    {{"loads", &Climber::load},
+     {"hangs", &Climber::hang},
+     {"stands", &Climber::stand},
+     {"shifts its weight", &Climber::shift},
+     {"squats", &Climber::squat},
+     {"steps on the spot", &Climber::march},
+     {"walks forward", &Climber::walk},
+     {"walks sideways", &Climber::sidestep},
+     {"turns", &Climber::turn},
+     {"falls protected", &Climber::fall, kUpToSquats},
+     {"gets up from the front", &Climber::rise_prone, kUpToSquats},
+     {"gets up from the back", &Climber::rise_supine, kUpToSquats}}};
 
 }  // namespace
 
 BringUpResult bring_up(const BringUpOptions& options,
                        const std::function<void(const std::string&)>& progress) {
-  return Ladder(options, progress).run();
+  return Climber(options, progress).run();
 }
 
 std::vector<std::string> rung_names() {
   std::vector<std::string> names;
-  for (const auto& [name, climb] : Ladder::rungs()) names.emplace_back(name);
+  for (const auto& step : Climber::kRungs) names.emplace_back(step.name);
   return names;
 }
 
 std::string ladder_text(const BringUpResult& result) {
   std::string text;
   for (const Rung& rung : result.rungs) {
-    const char* mark = rung.result == Rung::Result::kReached  ? "yes"
-                       : rung.result == Rung::Result::kFailed ? "NO"
-                                                              : "-";
-    text += fmt::format("{:24} {:4} {}\n", rung.name, mark, rung.cause.empty() ? rung.figure : rung.cause);
+    text += fmt::format("{:24} {:4} {}\n", rung.name, mark_of(rung.result), rung.text());
   }
   return text;
 }

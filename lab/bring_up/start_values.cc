@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -41,12 +43,44 @@ double stiffness_Nm_per_rad(const sim_board::ServoDescription& servo) {
          servo.full_voltage_error_rad;
 }
 
+double weakest_Nm_per_rad(const sim_board::RobotDescription& robot,
+                          std::initializer_list<const char*> roles) {
+  double weakest = std::numeric_limits<double>::infinity();
+  for (const char* role : roles)
+    weakest = std::min(weakest, stiffness_Nm_per_rad(joint_of(robot, role).servo));
+  return weakest;
+}
+
 double mean_z(const sim_board::RobotDescription& robot, const char* role) {
   return 0.5 * (joint_of(robot, std::string("left_") + role).p_MJ.z() +
                 joint_of(robot, std::string("right_") + role).p_MJ.z());
 }
 
 // --- Scaling
+
+// Share of a servo's stiffness that is left of it beside the moment by which gravity tips a leaning robot on
+// one foot: 1 - m g h / k.
+double tipping_margin(const BodyMeasures& body, double stiffness) {
+  return 1.0 - body.weight_N * body.com_m / stiffness;
+}
+
+// Sag of a knee that is bent by a right angle under the robot's weight, in rad.
+double softness(const BodyMeasures& body) {
+  return body.weight_N * body.limb_m / body.pitch_stiffness_Nm_per_rad;
+}
+
+// Length of bent legs, as a share of straight ones, of a robot whose knees are `softer` times as soft as the
+// reference's. Its knees bear a shorter lever, so that they sag by at most twice as much as those of the
+// reference.
+double straighter(double leg_use, double softer) {
+  constexpr double kMostSag = 2.0;
+  // By hand, 28 November 2026, for DARwIn-OP with mx_28 servos, 4.2 times as soft: with 0.87 to 0.9 it makes
+  // good 0.22 m/s of 0.38, with 0.83 0.16 to 0.21 m/s and with 0.95, whose steps are short, 0.16 m/s.
+  constexpr double kStraightest = 0.9;
+  if (softer <= kMostSag) return leg_use;
+  const double sine = std::sqrt(std::max(0.0, 1.0 - leg_use * leg_use)) * kMostSag / softer;
+  return std::max(leg_use, std::min(kStraightest, std::sqrt(1.0 - sine * sine)));
+}
 
 // By which power of the ratio of the legs' lengths a parameter grows, by the unit at the end of its key.
 double exponent_of(std::string_view key) {
@@ -66,17 +100,28 @@ double exponent_of(std::string_view key) {
                                          {"_mm", 1.0},
                                          {"_ms", 0.5},
                                          {"_s", 0.5}}};
+  // Servos and bus answer as late on a larger robot.
+  if (key == "plan_age_ms") return 0.0;
   for (const Unit& unit : kUnits) {
     if (key.ends_with(unit.end)) return unit.exponent;
   }
   return 0.0;
 }
 
-double* find(RobotParameters& parameters, std::string_view key) {
+const double* find(const RobotParameters& parameters, std::string_view key) {
   const auto found = std::ranges::find(
       parameters.settings, key,
       [](const ParameterSetting& setting) -> std::string_view { return setting.name.text; });
   return found == parameters.settings.end() ? nullptr : &found->value;
+}
+
+double* find(RobotParameters& parameters, std::string_view key) {
+  return const_cast<double*>(find(std::as_const(parameters), key));
+}
+
+double find_or(const RobotParameters& parameters, std::string_view key, double otherwise) {
+  const double* value = find(parameters, key);
+  return value == nullptr ? otherwise : *value;
 }
 
 void multiply(RobotParameters& parameters, std::string_view key, double factor) {
@@ -91,7 +136,44 @@ void set(RobotParameters& parameters, const std::string& key, double value) {
   }
 }
 
+// By the file of the robot, as firmware/behaviour/supply_guard.h defines them; the guard takes all servos as
+// of one kind. Whole steps of the parameters.
+void set_supply_load(RobotParameters& parameters, const sim_board::RobotDescription& robot) {
+  const sim_board::ServoDescription& servo = robot.joints.front().servo;
+  const double resistance_ohm = robot.battery ? robot.battery->internal_resistance_ohm : 0.0;
+  const double sag_mV = 1e3 * resistance_ohm * servo.supply_V / servo.resistance_ohm;
+  const double speed_deg_per_s = kDegreesPerRad * servo.supply_V / servo.torque_constant_Nm_per_A;
+  constexpr double kMaxSpeed_deg_per_s = 2'879.0;  // the range of object 2100:06
+  set(parameters, "stalled_drive_sag_mV", std::min(std::round(sag_mV), 65'535.0));
+  set(parameters, "no_load_speed_deg_per_s", std::min(std::round(speed_deg_per_s), kMaxSpeed_deg_per_s));
+}
+
+// Lets the feedback of the lean at the ankles do what stiffer servos would, for robots that gravity tips
+// nearly as strongly as their servos hold them.
+void stiffen(RobotParameters& parameters, const BodyMeasures& body, const BodyMeasures& from) {
+  // A gain of 40 % for a DARwIn-OP with mx_28 servos, a ratio of 1.4, by hand, 28 November 2026: at 0.2 m/s
+  // two of four fall without it, and none with it; 80 % is no better.
+  constexpr double kLeastRatio = 2.0;
+  const double ratio = body.pitch_stiffness_Nm_per_rad / (body.weight_N * body.com_m);
+  if (ratio < kLeastRatio) {
+    const double gain_percent = 100.0 * std::min(1.0, kLeastRatio / ratio - 1.0);
+    set(parameters, "walking_lean_gain_ankle_pitch_percent", gain_percent);
+    set(parameters, "standing_lean_gain_ankle_pitch_percent", gain_percent);
+  }
+  // Servos that sag shorten the steps: told 0.55 m/s, this robot makes good 0.33.
+  const double margin = tipping_margin(body, body.pitch_stiffness_Nm_per_rad) /
+                        tipping_margin(from, from.pitch_stiffness_Nm_per_rad);
+  multiply(parameters, "highest_velocity_forward_mm_per_s", 1.0 / std::sqrt(std::clamp(margin, 0.25, 1.0)));
+}
+
 constexpr double kMostCompliance_rad_per_m = 3.0;  // the range of object 0x2131
+// Length of bent legs as a share of the straight ones. Above, knees are within 16 degrees of straight, where
+// their torque no longer moves the body; below, thigh and shank of most robots meet. By hand.
+constexpr double kMostLegUse = 0.99;
+constexpr double kLeastLegUse = 0.6;
+// Height of the free foot when the weight is over the other one, by the leg's length: more than the loaded
+// leg's servos sag, which would leave a part of the weight on the free foot.
+constexpr double kFreeFoot = 0.03;
 
 // Changes a value that the robot's body refuses; false for one that cannot be mended.
 bool mend(RobotParameters& parameters, const std::string& refused, const BodyMeasures& body) {
@@ -142,18 +224,19 @@ void fit(RobotParameters& parameters, const BodyMeasures& body, const robot::Rob
 
 // --- Motions
 
-std::string compiled_angles(const std::string& text, const simulation::NamedModel& model) {
+// The angles of the first pose, by the names of the joints, in degrees.
+std::vector<std::pair<std::string, double>> compiled_angles(const std::string& text,
+                                                            const simulation::NamedModel& model) {
   const simulation::MotionFile file = simulation::read_motion_text("stand.yaml", text);
   simulation::Diagnostics diagnostics(file.path, file.text);
   const simulation::MotionSource motion = simulation::parse_motion(file, model, diagnostics);
   static_cast<void>(simulation::compile_motion(motion, model, diagnostics));
   diagnostics.throw_errors();
-  std::string angles;
+  std::vector<std::pair<std::string, double>> angles;
   const simulation::PoseSource& pose = motion.poses.front();
   for (std::size_t joint = 0; joint < pose.angles.size(); ++joint) {
     if (pose.angles[joint])
-      angles += fmt::format("{}{}: {:.2f}", angles.empty() ? "" : ", ", model.joint_names[joint],
-                            kDegreesPerRad * fixed::to_double(*pose.angles[joint]));
+      angles.emplace_back(model.joint_names[joint], kDegreesPerRad * fixed::to_double(*pose.angles[joint]));
   }
   return angles;
 }
@@ -181,6 +264,23 @@ std::string pose_text(const std::string& name, const std::string& from, double c
       "{{y_mm: {:.1f}}}}}\n",
       name, from, kMmPerM * com_forward_m, kMmPerM * com_height_m, 0.5 * kMmPerM * width_m,
       -0.5 * kMmPerM * width_m);
+}
+
+// Returns the text of the deepest squat that the joints reach: knees of some robots end at 110 degrees.
+// Throws MotionError, that of the shallowest squat, if there is none.
+template <typename TextOfDepth>
+std::string deepest_squat(const TextOfDepth& text_of, const simulation::NamedModel& model) {
+  constexpr std::array<double, 4> kDepths{0.85, 0.88, 0.91, 0.94};  // of the CoM's height
+  for (const double depth : kDepths) {
+    std::string text = text_of(depth);
+    try {
+      static_cast<void>(compiled_angles(text, model));
+      return text;
+    } catch (const simulation::MotionError&) {
+      if (depth == kDepths.back()) throw;
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -211,15 +311,17 @@ BodyMeasures measure(const sim_board::RobotDescription& robot) {
     other_inner_m = std::max(other_inner_m, (feet[1]->X_LSole.inverse() * corner_L).y());
   const double sole_z_m = 0.5 * ((X_MW * left).translation().z() + (X_MW * right).translation().z());
   body.leg_m = mean_z(robot, "hip_pitch") - sole_z_m;
+  body.limb_m = mean_z(robot, "hip_pitch") - mean_z(robot, "ankle_pitch");
   body.com_m = (X_MW * tree.centre_of_mass(X_WLs)).z() - sole_z_m;
   body.stance_m = left.translation().y() - right.translation().y();
   body.sole_width_m = other_inner_m - inner_m;
   body.sole_middle_m = 0.5 * (front_m + back_m);
   body.weight_N = robot.total_mass_kg() * sim_board::kGravity_m_per_s2;
-  body.stiffness_Nm_per_rad = std::min(stiffness_Nm_per_rad(joint_of(robot, "left_knee").servo),
-                                       stiffness_Nm_per_rad(joint_of(robot, "left_ankle_pitch").servo));
+  body.pitch_stiffness_Nm_per_rad =
+      weakest_Nm_per_rad(robot, {"left_hip_pitch", "left_knee", "left_ankle_pitch"});
+  body.roll_stiffness_Nm_per_rad = weakest_Nm_per_rad(robot, {"left_hip_roll", "left_ankle_roll"});
   body.supply_V = robot.battery ? robot.battery->open_circuit_V : robot.joints.front().servo.supply_V;
-  if (body.leg_m < 0.02 || body.com_m < 0.02)
+  if (body.leg_m < 0.02 || body.limb_m < 0.01 || body.com_m < 0.02)
     throw InputError(robot.file, robot.line,
                      "hips or a centre of mass that are not above the soles at joint angles zero",
                      "legs that hang down");
@@ -242,6 +344,7 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
   }
   for (const char* key : {"lowest_supply_mV", "highest_supply_mV", "low_supply_mV"})
     multiply(parameters, key, body.supply_V / from.supply_V);
+  set_supply_load(parameters, robot);
   // The plan follows arms and waist; only the reference was tuned without.
   set(parameters, "fixed_upper_body", 0.0);
   set(parameters, "touchdown_load_N", 0.0);
@@ -249,19 +352,34 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
   multiply(parameters, "step_width_mm", stance);
   multiply(parameters, "widest_step_mm", stance);
   set(parameters, "narrowest_step_mm", kMmPerM * body.sole_width_m + 2.0 * scale);
+  const double lowered_m = from.com_m - *find(reference, "com_height_mm") / kMmPerM;
+  const double leg_use = straighter(1.0 - lowered_m / from.limb_m, softness(body) / softness(from));
   set(parameters, "com_height_mm",
-      *find(parameters, "com_height_mm") * body.com_m / from.com_m / scale * factors.com_height);
+      kMmPerM * (body.com_m - (1.0 - leg_use) * body.limb_m) * factors.com_height);
   multiply(parameters, "step_time_ms", factors.step_time);
-  // A servo sags by the torque of the weight on a lever, over its stiffness; the lever is the parameter's
-  // metre.
-  const double sag = (body.weight_N / from.weight_N) /
-                     (body.stiffness_Nm_per_rad / from.stiffness_Nm_per_rad) * scale * factors.compliance;
-  multiply(parameters, "pitch_compliance_rad_per_m", sag);
-  multiply(parameters, "roll_compliance_rad_per_m", sag);
-  for (const char* key : {"pitch_compliance_rad_per_m", "roll_compliance_rad_per_m"}) {
-    if (double* compliance = find(parameters, key))
-      *compliance = std::min(*compliance, kMostCompliance_rad_per_m);
-  }
+  // The ZMP keeps its place in the sole, which need not be below the ankle.
+  set(parameters, "zmp_forward_mm",
+      kMmPerM * (body.sole_middle_m - scale * from.sole_middle_m) +
+          scale * find_or(reference, "zmp_forward_mm", kMmPerM * from.sole_middle_m));
+  // A servo sags by torque over stiffness, and the torque is the weight times the lever, which is the
+  // parameter's metre. The scaling by length above does not apply. An error of the compensation (of masses or
+  // gains, a tenth in the world `mild`) lets the robot lean, and the lean is amplified by 1 / tipping margin.
+  // The compensation is reduced by this margin, which keeps the error of the lean: a DARwIn-OP with mx_28
+  // servos (margin 0.36) falls with the full compensation, 3 rad/m, and walks with 0.8 to 2.2 rad/m
+  // (27 November 2026). The walk that closes its loop steps where the lean wants it, and the compensation in
+  // pitch then counts twice, so that the margin is squared: of 0.38 m/s the same robot makes good 0.07 m/s
+  // with 2.2 rad/m, 0.22 with 1.36 and 0.28 with 0.4; with 0 one of four falls (28 November 2026).
+  const auto sag = [&](const char* key, double BodyMeasures::*stiffness, double power) {
+    const double* tuned = find(reference, key);
+    if (tuned == nullptr) return;
+    const double margin = tipping_margin(body, body.*stiffness) / tipping_margin(from, from.*stiffness);
+    const double compliance = *tuned * (body.weight_N / from.weight_N) /
+                              (body.*stiffness / (from.*stiffness)) * std::pow(std::max(0.0, margin), power);
+    set(parameters, key, std::clamp(compliance, 0.0, kMostCompliance_rad_per_m));
+  };
+  sag("pitch_compliance_rad_per_m", &BodyMeasures::pitch_stiffness_Nm_per_rad, 2.0);
+  sag("roll_compliance_rad_per_m", &BodyMeasures::roll_stiffness_Nm_per_rad, 1.0);
+  stiffen(parameters, body, from);
   for (ParameterSetting& setting : parameters.settings) {
     if (setting.name.text.starts_with("walking_")) setting.value *= factors.gains;
   }
@@ -270,6 +388,17 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
   values.com_height_m = *find(parameters, "com_height_mm") / kMmPerM;
   values.step_width_m = *find(parameters, "step_width_mm") / kMmPerM;
   values.com_forward_m = body.sole_middle_m;
+  values.leg_m = body.leg_m;
+  values.com_lowered_m = body.com_m - values.com_height_m;
+  values.leg_use = (body.limb_m - values.com_lowered_m) / body.limb_m;
+  if (values.leg_use > kMostLegUse || values.leg_use < kLeastLegUse)
+    throw InputError(
+        parameters.file, 0,
+        fmt::format("a CoM height of {:.0f} mm, for which legs of {:.0f} mm would be {:.0f} mm long",
+                    kMmPerM * values.com_height_m, kMmPerM * body.limb_m,
+                    kMmPerM * values.leg_use * body.limb_m),
+        fmt::format("{:.0f} to {:.0f} mm", kMmPerM * (body.com_m - (1 - kLeastLegUse) * body.limb_m),
+                    kMmPerM * (body.com_m - (1 - kMostLegUse) * body.limb_m)));
   return values;
 }
 
@@ -290,27 +419,49 @@ std::string parameters_text(const StartValues& values, const std::string& origin
 
 StandingPose standing_pose(const StartValues& values, const simulation::NamedModel& model,
                            const std::string& origin) {
-  const std::string time = fmt::format("{:.2f}", 1.5 * std::max(1.0, values.time_scale));
-  const std::string head = motion_head(values, "stand", origin);
+  const double step_s = 1.5 * std::max(1.0, values.time_scale);
+  const std::string time = fmt::format("{:.2f}", step_s);
   const std::string hanging = hanging_text(model);
   constexpr int kMostChanges = 20;
   double height_m = values.com_height_m;
   for (int change = 0;; ++change, height_m *= 0.98) {
     const std::string pose =
-        pose_text("stand", "hanging", values.com_forward_m, height_m, values.step_width_m);
-    const std::string stand = head + pose + hanging + "steps:\n  - {pose: stand, time_s: " + time + "}\n";
+        pose_text("stand", "hanging", values.com_forward_m, height_m, values.step_width_m) + hanging;
     try {
-      StandingPose standing{
-          .stand_text = stand, .squat_text = {}, .joints_text = compiled_angles(stand, model)};
-      standing.squat_text =
-          motion_head(values, "squat", origin) + pose + hanging +
-          pose_text("down", "stand", values.com_forward_m, 0.85 * height_m, values.step_width_m) +
+      StandingPose standing{.stand_text = motion_head(values, "stand", origin) + pose +
+                                          "steps:\n  - {pose: stand, time_s: " + time + "}\n",
+                            .squat_text = {},
+                            .shift_text = {},
+                            .joints_text = {},
+                            .joints_deg = {},
+                            .step_s = step_s};
+      standing.joints_deg = compiled_angles(standing.stand_text, model);
+      for (const auto& [joint, angle_deg] : standing.joints_deg)
+        standing.joints_text +=
+            fmt::format("{}{}: {:.2f}", standing.joints_text.empty() ? "" : ", ", joint, angle_deg);
+      standing.squat_text = deepest_squat(
+          [&](double depth) {
+            return motion_head(values, "squat", origin) + pose +
+                   pose_text("down", "stand", values.com_forward_m, depth * height_m, values.step_width_m) +
+                   fmt::format(
+                       "steps:\n  - {{pose: stand, time_s: {0}}}\n  - loop:\n      times: 3\n      steps:\n"
+                       "        - {{pose: down, time_s: {0}, interpolation: minimum_jerk}}\n"
+                       "        - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
+                       time);
+          },
+          model);
+      standing.shift_text =
+          motion_head(values, "shift", origin) + pose +
           fmt::format(
-              "steps:\n  - {{pose: stand, time_s: {0}}}\n  - loop:\n      times: 3\n      steps:\n"
-              "        - {{pose: down, time_s: {0}, interpolation: minimum_jerk}}\n"
-              "        - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
-              time);
-      static_cast<void>(compiled_angles(standing.squat_text, model));
+              "  over_left: {{from: stand, support: left, com: {{y_mm: 0}}, right_foot: {{z_mm: {1:.1f}}}}}\n"
+              "  over_right: {{from: stand, support: right, com: {{y_mm: 0}}, left_foot: {{z_mm: "
+              "{1:.1f}}}}}\n"
+              "steps:\n  - {{pose: stand, time_s: {0}}}\n"
+              "  - {{pose: over_left, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
+              "  - {{pose: over_right, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
+              "  - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
+              time, kMmPerM * kFreeFoot * values.leg_m);
+      static_cast<void>(compiled_angles(standing.shift_text, model));
       return standing;
     } catch (const simulation::MotionError& error) {
       if (change == kMostChanges)

@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "sim_board/description/description.h"
 #include "simulation/model/robot_model.h"
@@ -10,17 +12,20 @@
 
 namespace koboshi::tools {
 
-// What the walk of a robot depends on, measured at joint angles zero.
+// The dimensions of a robot on which its walk depends, measured at joint angles zero.
 struct BodyMeasures {
   double leg_m = 0.0;          // from the sole to the hip's pitch axis
+  double limb_m = 0.0;         // from the ankle's pitch axis to the hip's
   double com_m = 0.0;          // height of the centre of mass above the soles
   double stance_m = 0.0;       // between the middles of the soles
   double sole_width_m = 0.0;   // of both soles together, side by side: the least distance of their middles
   double sole_middle_m = 0.0;  // x of the middle of a sole, in front of the ankle
   double weight_N = 0.0;
   double supply_V = 0.0;  // of the battery, else of the servos
-  // Torque of the weaker of knee and ankle pitch for an error of its position, until the full voltage.
-  double stiffness_Nm_per_rad = 0.0;
+  // Torque for an error of the position, until the full voltage: of the weakest pitch joint and the weakest
+  // roll joint of the left leg.
+  double pitch_stiffness_Nm_per_rad = 0.0;
+  double roll_stiffness_Nm_per_rad = 0.0;
 };
 
 // Throws InputError, naming what is missing, for a robot whose legs cannot walk.
@@ -30,14 +35,21 @@ struct BodyMeasures {
 // dynamic similarity (R. McN. Alexander, "Estimates of speeds of dinosaurs", 1976: equal Froude numbers) and
 // fitted to the reach of the legs.
 //   lengths        by the leg's length, the step's width by the distance of the feet
+//   CoM height     that of straight legs less what the reference's bend lowers it, by the distance from hip
+//                  to ankle: knees bend alike, however long or heavy the trunk is
 //   times, speeds  by the square root of the leg's length
-//   sag            by the weight over the stiffness of the servos
+//   ZMP            at the same place of the sole, by the leg's length
+//   sag            by the weight over the stiffness of the servos, pitch and roll joints each by their own,
+//                  less where little of that stiffness is left beside gravity
 struct StartValues {
   simulation::RobotParameters parameters;
   double com_height_m = 0.0;
   double step_width_m = 0.0;
   double com_forward_m = 0.0;  // of the standing pose, in front of the ankles
   double time_scale = 1.0;     // of the reference's times
+  double leg_m = 0.0;          // BodyMeasures::leg_m
+  double com_lowered_m = 0.0;  // CoM height of straight legs less `com_height_m`
+  double leg_use = 1.0;        // distance from hip to ankle, as a share of that of straight legs
 
   // Returns the value of a parameter; 0 if it is not set.
   [[nodiscard]] double value(const std::string& key) const;
@@ -47,7 +59,6 @@ struct StartValues {
 struct StartFactors {
   double com_height = 1.0;
   double step_time = 1.0;
-  double compliance = 1.0;
   double gains = 1.0;            // of the feedback while walking
   double trunk_pitch_deg = 0.0;  // added
 };
@@ -58,13 +69,18 @@ struct StartFactors {
                                         const simulation::NamedModel& model,
                                         const StartFactors& factors = {});
 
-// The texts of parameters.yaml and of the motions `stand` and `squat`, which compile for this robot. `origin`
-// is named in their first lines. Throws InputError if the legs do not reach the pose.
+// The texts of parameters.yaml and of the motions `stand`, `squat` and `shift`, which compile for this robot.
+// `shift` moves the centre of mass over the left foot, then over the right one, lets the other foot hang just
+// above the ground, and holds each for a second.
+// `origin` is named in their first lines. Throws InputError if the legs do not reach a pose.
 [[nodiscard]] std::string parameters_text(const StartValues& values, const std::string& origin);
 struct StandingPose {
   std::string stand_text;
   std::string squat_text;
-  std::string joints_text;  // the pose's angles as a map of YAML, in degrees
+  std::string shift_text;
+  std::string joints_text;                                 // the pose's angles as a map of YAML, in degrees
+  std::vector<std::pair<std::string, double>> joints_deg;  // the same
+  double step_s = 0.0;                                     // time of each move
 };
 [[nodiscard]] StandingPose standing_pose(const StartValues& values, const simulation::NamedModel& model,
                                          const std::string& origin);

@@ -127,6 +127,7 @@ Experiment make_gyro_feedback(const GyroFeedbackOptions& options) {
       {"disturbed", options.disturbed ? "yes" : "no"},
       {"world", options.world}};
   experiment.inputs = hash_of(options, scenarios);
+  experiment.warning = simulation::left_out_text(scenarios.front());  // they differ by the gait only
   set_trials(experiment, walk_fields(options.falls_within),
              [options, scenarios](std::size_t cell, std::uint64_t seed) {
                return without_a_fallen_walk(play_scenario(seeded_walk(scenarios[cell], options, seed), {}));

@@ -1,6 +1,7 @@
 #include "lab/catalogue/robustness.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/text/error.h"
 #include "base/text/text.h"
 #include "base/text/user_units.h"
 #include "lab/catalogue/stand_up.h"
@@ -186,6 +188,7 @@ struct Course {
   double full_speed_m_per_s = 0.0;
   double distance_m = 0.0;
   double cycle_s = 0.0;
+  WorldRanges others;
 };
 
 Course course_of(const RobustnessOptions& options) {
@@ -200,6 +203,8 @@ Course course_of(const RobustnessOptions& options) {
   course.distance_m =
       options.distance_m * simulation::leg_length_m(course.robot) / simulation::kReferenceLeg_m;
   course.cycle_s = 2e-3 * values.walk.step.time_ms;
+  const bool nominal = options.others == RobustnessOptions::kNominal;
+  course.others = nominal ? WorldRanges{.ends_only = true} : simulation::world_named(options.others);
   return course;
 }
 
@@ -239,7 +244,18 @@ RobustnessTrial push(const RobustnessCase& played, const Course& course, std::ui
   scenario.pushes = {half_sine_push(
       course.robot.links.front().name, course.start.ready_us + to_us(wait_s), kPush_s,
       impulse_N_s_per_kg * mass_kg * Eigen::Vector3d(std::cos(towards_rad), std::sin(towards_rad), 0.0))};
-  return judged(play_in_world(scenario, seed), true);
+  // A robot that has just been let go on a slope may step too.
+  bool stepped = false;
+  std::uint64_t time_us = 0;
+  const std::uint64_t push_us = scenario.pushes.front().at_us;
+  const ScenarioTrial trial = play_in_world(scenario, seed, [&](const simulation::RunRecorder& recorder) {
+    time_us += 1'000;
+    stepped = stepped || (time_us > push_us && recorder.telemetry().reason == behaviour::Reason::kPushed);
+    return false;
+  });
+  RobustnessTrial judgement = judged(trial, true);
+  judgement.stepped = stepped && !played.activity.walks;
+  return judgement;
 }
 
 RobustnessTrial stand_up(const Course& course, std::uint64_t seed) {
@@ -252,7 +268,8 @@ RobustnessTrial stand_up(const Course& course, std::uint64_t seed) {
 }
 
 RobustnessTrial play(const RobustnessCase& played, Course course, std::uint64_t seed) {
-  WorldRanges ranges{.name = played.factor.name, .ends_only = true};
+  WorldRanges ranges = course.others;
+  ranges.name = played.factor.name;
   played.factor.set(ranges, played.level);
   course.start.scenario.world = {ranges, std::nullopt};
   switch (played.activity.kind) {
@@ -267,11 +284,16 @@ RobustnessTrial play(const RobustnessCase& played, Course course, std::uint64_t 
 }
 
 std::vector<RobustnessCase> cases_of(const RobustnessOptions& options) {
+  if (!options.levels.empty() && options.factors.size() != 1)
+    throw InputError("--levels", 0, fmt::format("{} factors", options.factors.size()), "one in --factors");
+  if (!std::ranges::is_sorted(options.levels))
+    throw InputError("--levels", 0, fmt::format("{}", fmt::join(options.levels, ",")), "rising levels");
   std::vector<RobustnessCase> cases;
   for (const Activity& activity : chosen(known_activities(), options.activities)) {
     for (const Factor& factor : chosen(known_factors(), options.factors)) {
       if (factor.name == kImpulse && activity.kind != Activity::Kind::kPush) continue;
-      for (const double level : factor.levels) cases.push_back({activity, factor, level});
+      for (const double level : options.levels.empty() ? factor.levels : options.levels)
+        cases.push_back({activity, factor, level});
     }
   }
   return cases;
@@ -343,7 +365,8 @@ FieldTable<RobustnessTrial> robustness_fields(double cliff_share) {
   return {Fields<T>{{{.name = "lost", .label = "lost", .max_share = cliff_share, .is_loss = true}, &T::lost}},
           outcome_fields<T>(&T::outcome, kColumns),
           Fields<T>{{{.name = "not_arrived", .label = "does not arrive, or stays down", .is_loss = true},
-                     &T::not_arrived}}};
+                     &T::not_arrived},
+                    {{.name = "stepped", .label = "steps from standing", .is_event = true}, &T::stepped}}};
 }
 
 Experiment make_robustness(const RobustnessOptions& options) {
@@ -352,7 +375,9 @@ Experiment make_robustness(const RobustnessOptions& options) {
       "robustness", "What it withstands", options, course.start.scenario,
       {{"full_speed_m_per_s", course.full_speed_m_per_s}, {"distance_m", course.distance_m}});
   // The factors replace the world, and a level may be tried without the others.
-  std::erase_if(experiment.conditions, [](const auto& condition) { return condition.first == "world"; });
+  for (auto& [name, value] : experiment.conditions) {
+    if (name == "world") value = options.others;
+  }
   const std::vector<RobustnessCase> cases = cases_of(options);
   for (const auto& [activity, factor, level] : cases) {
     const std::string text = number_text(level);

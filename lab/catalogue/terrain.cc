@@ -51,8 +51,8 @@ Override bumps(double height_mm) {
 }
 
 const std::vector<Kind>& kinds() {
-  static const std::vector<double> kHeights_mm{0, 2, 4, 6, 8, 10};
-  static const std::vector<double> kAngles_deg{0, 2, 4, 6, 8, 10};
+  static const std::vector<double> kHeights_mm{0, 2, 4, 6, 8, 10, 14, 20};
+  static const std::vector<double> kAngles_deg{0, 2, 4, 6, 8, 10, 14, 20};
   static const std::vector<Kind> kKinds{
       {"step", "mm", kHeights_mm, mat},
       {"uphill", "deg", kAngles_deg, [](double angle_deg) { return tilted(0.0, -angle_deg); }},

@@ -15,6 +15,29 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+bool has_too_many(const Experiment& experiment, const CellResult& cell) {
+  for (std::size_t i = 0; i < experiment.metrics.size(); ++i) {
+    const Metric& metric = experiment.metrics[i];
+    if (!metric.is_event || metric.max_share >= 1.0) continue;
+    if (estimate_share(values_of(cell, i)).events > max_events(metric, experiment.seeds)) return true;
+  }
+  return false;
+}
+
+bool is_tight(const Experiment& experiment, const CellResult& cell) {
+  bool considered = false;
+  for (std::size_t i = 0; i < experiment.metrics.size(); ++i) {
+    const Metric& metric = experiment.metrics[i];
+    if (metric.tight_at <= 0.0) continue;
+    considered = true;
+    const std::vector<double> values = values_of(cell, i);
+    const Interval interval =
+        metric.is_event ? estimate_share(values).confidence_95 : estimate_mean(values).confidence_95;
+    if (!(interval.half_width() <= metric.tight_at)) return false;
+  }
+  return considered;
+}
+
 // Seeds go in batches over all cells that are still open, seeds outermost, so that a budget that runs out
 // leaves every cell with about as many trials. A cell is judged after whole batches only, and trials begin
 // in order: neither the number of threads nor how long a trial takes decides which ones count.
@@ -95,36 +118,10 @@ class Session {
   }
 
   bool closes(CellResult& cell) const {
-    if (has_too_many(cell)) {
-      cell.stop = Stop::kTooMany;
-    } else if (!out_of_time_ && cell.played.size() < experiment_.seeds && is_tight(cell)) {
-      cell.stop = Stop::kTightEnough;
-    }
-    return cell.stop == Stop::kTooMany || cell.stop == Stop::kTightEnough;
-  }
-
-  bool has_too_many(const CellResult& cell) const {
-    for (std::size_t i = 0; i < experiment_.metrics.size(); ++i) {
-      const Metric& metric = experiment_.metrics[i];
-      if (!metric.is_event || metric.max_share >= 1.0) continue;
-      const double most = std::floor(metric.max_share * static_cast<double>(experiment_.seeds) + 1e-9);
-      if (static_cast<double>(estimate_share(values_of(cell, i)).events) > most) return true;
-    }
-    return false;
-  }
-
-  bool is_tight(const CellResult& cell) const {
-    bool considered = false;
-    for (std::size_t i = 0; i < experiment_.metrics.size(); ++i) {
-      const Metric& metric = experiment_.metrics[i];
-      if (metric.tight_at <= 0.0) continue;
-      considered = true;
-      const std::vector<double> values = values_of(cell, i);
-      const Interval interval =
-          metric.is_event ? estimate_share(values).confidence_95 : estimate_mean(values).confidence_95;
-      if (!(interval.half_width() <= metric.tight_at)) return false;
-    }
-    return considered;
+    const std::optional<Stop> stop = early_stop(experiment_, cell);
+    if (!stop || (*stop == Stop::kTightEnough && out_of_time_)) return false;
+    cell.stop = *stop;
+    return true;
   }
 
   const Experiment& experiment_;
@@ -142,6 +139,16 @@ class Session {
 
 ExperimentResult play_experiment(const Experiment& experiment, const ExperimentOptions& options) {
   return Session(experiment, options).play();
+}
+
+std::size_t max_events(const Metric& metric, std::size_t seeds) {
+  return static_cast<std::size_t>(std::floor(metric.max_share * static_cast<double>(seeds) + 1e-9));
+}
+
+std::optional<Stop> early_stop(const Experiment& experiment, const CellResult& cell) {
+  if (has_too_many(experiment, cell)) return Stop::kTooMany;
+  if (cell.played.size() < experiment.seeds && is_tight(experiment, cell)) return Stop::kTightEnough;
+  return std::nullopt;
 }
 
 std::vector<double> values_of(const CellResult& cell, std::size_t metric) {

@@ -63,7 +63,8 @@ struct Experiment {
   std::uint64_t first_seed = 1;                                   //
   std::size_t seeds = 1;                                          // of each cell, unless it stops early
   std::vector<std::pair<std::string, std::string>> conditions{};  // the same in all cells, for the reader
-  std::string inputs{};  // a hash of whatever else a trial depends on
+  std::string inputs{};   // a hash of whatever else a trial depends on
+  std::string warning{};  // for the reader, before the trials; empty: none
   // Plays the trial of a cell, by number, and a seed. Called from several threads at a time.
   std::function<Record(std::size_t cell, std::uint64_t seed)> play{};
   // Draws conclusions from the cells. May be empty.
@@ -114,6 +115,13 @@ struct ExperimentResult {
 // seeds; finished trials stay in the log.
 [[nodiscard]] ExperimentResult play_experiment(const Experiment& experiment,
                                                const ExperimentOptions& options);
+
+// The largest number of trials with an event, of all of a cell's seeds, with which the cell goes on.
+[[nodiscard]] std::size_t max_events(const Metric& metric, std::size_t seeds);
+
+// Whether a cell ends after the trials that it has played, and why. The engine asks after whole batches only,
+// and with fewer trials than seeds. A cell does not end if the time is over.
+[[nodiscard]] std::optional<Stop> early_stop(const Experiment& experiment, const CellResult& cell);
 
 // The values of a metric, by its place, in the trials that have one.
 [[nodiscard]] std::vector<double> values_of(const CellResult& cell, std::size_t metric);

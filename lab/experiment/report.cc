@@ -82,7 +82,7 @@ std::string table_cell(const Metric& metric, const std::vector<double>& values, 
   return fmt::format("{} +- {:.{}f}{}", value, reach, metric.decimals, few);
 }
 
-// Which cells have fewer seeds than they should, one line for each reason.
+// Names the cells that have fewer seeds than they should, one line for each reason.
 std::string stop_notes(const Experiment& experiment, const ExperimentResult& result) {
   struct Stopped {
     std::vector<std::string> names;

@@ -73,6 +73,7 @@ Experiment begin_experiment(const std::string& name, const std::string& title, c
     texts.insert(texts.end(), {factor, range});
   for (const Override& item : setup.overrides) texts.insert(texts.end(), {item.path, item.value});
   experiment.inputs = hash_inputs(simulation::input_files(scenario), texts);
+  experiment.warning = simulation::left_out_text(scenario);
   return experiment;
 }
 

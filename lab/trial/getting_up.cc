@@ -21,7 +21,7 @@ GettingUp::GettingUp(const simulation::Scenario& scenario) : begin_us_(scenario.
 }
 
 bool GettingUp::observe(const simulation::GroundTruth& truth, std::uint64_t now_us) {
-  const double height = std::clamp(truth.p_WB_W.z() / truth.pose_height_m, 0.0, 1.0);
+  const double height = std::clamp(truth.height_m / truth.pose_height_m, 0.0, 1.0);
   uprightness_ = 0.25 * (1.0 + std::cos(truth.tilt_rad)) + 0.5 * height;
   const bool stands = now_us >= begin_us_ && simulation::stands_still(truth);
   if (!stands) {

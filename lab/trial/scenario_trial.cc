@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "lab/trial/trial_recordings.h"
 #include "simulation/assembly/world.h"
@@ -24,10 +25,7 @@ void follow_state(const simulation::Telemetry& telemetry, Outcome& outcome) {
   }
 }
 
-ScenarioTrial watch_scenario(const simulation::Scenario& scenario, const simulation::RobotChange& change,
-                             const Watch& is_over) {
-  const auto simulation =
-      std::make_unique<simulation::Simulation>(scenario, simulation::in_process(), change);
+ScenarioTrial watch_simulation(std::unique_ptr<simulation::Simulation> simulation, const Watch& is_over) {
   std::optional<view::RunRecording> recording;
   if (TrialRecordings* recordings = TrialRecordings::of_this_thread())
     recording.emplace(recordings->next_file(), *simulation, view::RunRecording::Options{});
@@ -61,6 +59,12 @@ ScenarioTrial watch_scenario(const simulation::Scenario& scenario, const simulat
   return trial;
 }
 
+ScenarioTrial watch_scenario(const simulation::Scenario& scenario, const simulation::RobotChange& change,
+                             const Watch& is_over) {
+  return watch_simulation(
+      std::make_unique<simulation::Simulation>(scenario, simulation::in_process(), change), is_over);
+}
+
 }  // namespace
 
 simulation::WalkSummary no_walk() {
@@ -72,7 +76,10 @@ bool ScenarioTrial::walked() const { return !std::isnan(walk.distance_m); }
 
 Outcome outcome_at_end(const ScenarioTrial& trial, behaviour::State state) {
   if (!trial.error.empty()) return trial.outcome;
-  if (state == behaviour::State::kLowBattery) return Outcome::kLowSupply;
+  // A robot that sits limp has stopped for its supply earlier.
+  const bool sits = state == behaviour::State::kLimp && trial.outcome == Outcome::kLowSupply;
+  if (state == behaviour::State::kLowBattery || state == behaviour::State::kSittingDown || sits)
+    return Outcome::kLowSupply;
   const bool faulted = state == behaviour::State::kFault || state == behaviour::State::kEmergencyStop;
   return faulted ? Outcome::kGaveUp : Outcome::kSurvived;
 }
@@ -88,6 +95,12 @@ ScenarioTrial play_scenario(const simulation::Scenario& scenario, const simulati
 ScenarioTrial watch_in_world(simulation::Scenario scenario, std::uint64_t seed, const Watch& is_over) {
   scenario.seed = seed;
   return watch_scenario(scenario, {}, is_over);
+}
+
+ScenarioTrial watch_prepared(std::shared_ptr<const simulation::PreparedScenario> prepared, std::uint64_t seed,
+                             const simulation::HostFactory& make_host, const Watch& is_over) {
+  return watch_simulation(std::make_unique<simulation::Simulation>(std::move(prepared), seed, make_host),
+                          is_over);
 }
 
 ScenarioTrial play_in_world(simulation::Scenario scenario, std::uint64_t seed, const IsOver& is_over) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "lab/trial/outcome.h"
@@ -48,6 +49,12 @@ using Watch = std::function<bool(simulation::Simulation&, const simulation::RunR
 
 // The same, but a fall does not end the trial.
 [[nodiscard]] ScenarioTrial watch_in_world(simulation::Scenario scenario, std::uint64_t seed,
+                                           const Watch& is_over);
+
+// The same with files that are already read and compiled, and with a host of the caller's, which may look
+// into the firmware. A fall does not end the trial.
+[[nodiscard]] ScenarioTrial watch_prepared(std::shared_ptr<const simulation::PreparedScenario> prepared,
+                                           std::uint64_t seed, const simulation::HostFactory& make_host,
                                            const Watch& is_over);
 
 // The robot in the world that a seed draws for this scenario.

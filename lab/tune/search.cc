@@ -27,11 +27,10 @@ std::vector<double> values_at(std::span<const SearchedNumber> numbers, const std
 }
 
 Search::Search(Setup setup, const SearchOptions& options, const ShowProgress& progress)
-    : setup_(std::move(setup)),
-      options_(options),
-      progress_(progress),
-      log_(options.out / "evaluations.csv") {
-  log_.write(csv_line(head()));
+    : setup_(std::move(setup)), options_(options), progress_(progress) {
+  if (options.out.empty()) return;
+  log_.emplace(options.out / "evaluations.csv");
+  log_->write(csv_line(head()));
 }
 
 const Candidate& Search::evaluate(const std::vector<double>& x) {
@@ -39,15 +38,26 @@ const Candidate& Search::evaluate(const std::vector<double>& x) {
   try {
     setup_.evaluate(candidate);
   } catch (const InputError& error) {
-    if (candidates_.empty()) throw;  // the start is the user's, and wrong
-    infeasible_.add(error);
-    candidate.scores = setup_.infeasible.scores;
-    candidate.score = setup_.infeasible.score;
-    candidate.violated = error.limit();
+    return add_infeasible(std::move(candidate), error);
   }
+  return add(std::move(candidate));
+}
+
+const Candidate& Search::add_infeasible(Candidate candidate, const InputError& error) {
+  if (candidates_.empty()) throw InputError(error);  // the start is the user's, and wrong
+  infeasible_.add(error);
+  candidate.scores = setup_.infeasible.scores;
+  candidate.score = setup_.infeasible.score;
+  candidate.violated = error.limit();
+  return add(std::move(candidate));
+}
+
+const Candidate& Search::add(Candidate candidate) {
   candidates_.push_back(std::move(candidate));
-  log_.write(csv_line(row(candidates_.size() - 1)));
-  log_.flush();  // an evaluation takes minutes
+  if (log_) {
+    log_->write(csv_line(row(candidates_.size() - 1)));
+    log_->flush();  // an evaluation takes minutes
+  }
   if (progress_)
     progress_({candidates_.size(), options_.evaluations, candidates_.back().score, best().score});
   return candidates_.back();
@@ -58,7 +68,7 @@ const Candidate& Search::best() const {
 }
 
 SearchResult Search::finish() {
-  log_.close();
+  if (log_) log_->close();
   SearchResult result{
       .score = best().score, .evaluations = candidates_.size(), .infeasible = infeasible_.counts()};
   for (std::size_t i = 0; i < setup_.numbers.size(); ++i) {

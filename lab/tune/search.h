@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -38,7 +39,7 @@ struct SearchedNumber {
 
 struct SearchOptions {
   std::vector<Override> overrides{};  // of the scenario, in all trials
-  std::filesystem::path out{};        // folder of the log and the result
+  std::filesystem::path out{};        // folder of the log and the result; empty: neither
   std::uint64_t first_seed = 9000;
   std::size_t seeds = 3;
   std::size_t evaluations = 200;
@@ -90,7 +91,11 @@ class Search {
   // At a point of the unit box. Rethrows the error of an infeasible first candidate: the start must be
   // feasible.
   const Candidate& evaluate(const std::vector<double>& x);
-  // Closes evaluations.csv.
+  // Keeps a candidate that the caller has evaluated, or found to be infeasible, in which case it gets the
+  // scores of all of these. Throws the error of an infeasible first candidate.
+  const Candidate& add(Candidate candidate);
+  const Candidate& add_infeasible(Candidate candidate, const InputError& error);
+  // Closes evaluations.csv. There is none if the folder of the options is empty.
   SearchResult finish();
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
@@ -104,7 +109,7 @@ class Search {
   const Setup setup_;
   const SearchOptions& options_;
   const ShowProgress& progress_;
-  OutputFile log_;
+  std::optional<OutputFile> log_{};
   std::vector<Candidate> candidates_;
   InfeasibleCounter infeasible_;
 };

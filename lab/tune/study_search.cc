@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include "base/file/output_file.h"
@@ -14,9 +16,11 @@
 #include "lab/experiment/report.h"
 #include "lab/trial/getting_up.h"
 #include "lab/trial/scenario_trial.h"
+#include "lab/tune/cma_es.h"
 #include "lab/tune/infeasible.h"
 #include "lab/tune/lost_trials.h"
 #include "lab/tune/optimiser.h"
+#include "lab/tune/search_trials.h"
 #include "simulation/disturbance/world_text.h"
 #include "simulation/record/summary.h"
 #include "simulation/scenario/reader.h"
@@ -27,6 +31,8 @@ namespace {
 
 // Below the score of any run, yet near it: optimisers rank candidates, and some fit models to their values.
 constexpr double kInfeasibleWorth = -10.0;
+constexpr const char* kInfeasible = "infeasible: ";  // begins the error of a trial that could not be built
+constexpr const char* kTrials = "trials.jsonl";
 
 const FieldTable<GettingUpTrial>& trial_fields() {
   using T = GettingUpTrial;
@@ -42,11 +48,16 @@ const FieldTable<GettingUpTrial>& trial_fields() {
   return kFields;
 }
 
+using Points = std::vector<std::vector<double>>;
+
 class StudySearch {
  public:
-  StudySearch(const Study& study, const StudyOptions& options, const ShowProgress& progress)
+  // With an empty folder in the options, the search writes nothing.
+  StudySearch(const Study& study, const StudyOptions& options, SearchTrials& trials,
+              const ShowProgress& progress)
       : study_(study),
         options_(options),
+        trials_(trials),
         progress_([this, progress](const SearchProgress& now) {
           write_state(now, "running");
           if (progress) progress(now);
@@ -56,17 +67,21 @@ class StudySearch {
   }
 
   SearchResult search() {
-    const std::vector<double> start = start_of(study_.numbers);
-    const OptimiserOptions how{
-        .evaluations = options_.evaluations, .population = options_.population, .spread = options_.spread};
-    const auto losses = [this](const std::vector<double>& x) { return losses_of(search_.evaluate(x)); };
     if (options_.method == Method::kNsga2) {
-      minimise_each(losses, study_.trials.size(), start, how);
+      const auto losses = [this](const std::vector<double>& x) {
+        evaluate({x});
+        return losses_of(search_.candidates().back());
+      };
+      minimise_each(losses, study_.trials.size(), start_of(study_.numbers),
+                    {.evaluations = options_.evaluations,
+                     .population = options_.population,
+                     .spread = options_.spread});
     } else {
-      static_cast<void>(minimise([this](const auto& x) { return -search_.evaluate(x).score; }, start, how));
+      search_with_islands();
     }
     SearchResult result = search_.finish();
     result.lost = lost_.text();
+    if (options_.out.empty()) return result;
     std::string text;
     for (const auto& [path, value] : result.numbers) text += path + ": " + number_text(value) + "\n";
     write_whole_file(options_.out / "best.yaml", text);
@@ -75,6 +90,10 @@ class StudySearch {
     write_state({search_.candidates().size(), options_.evaluations, 0.0, result.score}, "finished");
     return result;
   }
+
+  std::vector<double> start_values() const { return values_at(study_.numbers, start_of(study_.numbers)); }
+  // Candidates that are evaluated.
+  std::size_t done() const { return search_.candidates().size(); }
 
  private:
   Search::Setup setup() {
@@ -90,7 +109,6 @@ class StudySearch {
       return row;
     };
     return {.numbers = study_.numbers,
-            .evaluate = [this](Candidate& candidate) { play(candidate); },
             .infeasible = {.scores = std::vector(study_.trials.size(), kInfeasibleWorth),
                            .score = kInfeasibleWorth},
             .columns = columns,
@@ -99,6 +117,7 @@ class StudySearch {
 
   // Writes the state that a program needs to watch or resume the search.
   void write_state(const SearchProgress& now, const char* state) const {
+    if (options_.out.empty()) return;
     nlohmann::ordered_json overrides = nlohmann::ordered_json::object();
     for (const Override& item : options_.overrides) overrides[item.path] = item.value;
     nlohmann::ordered_json numbers = nlohmann::ordered_json::array();
@@ -111,6 +130,8 @@ class StudySearch {
                                     {"evaluations", options_.evaluations},
                                     {"population", options_.population},
                                     {"spread", options_.spread},
+                                    {"islands", options_.islands},
+                                    {"migrate", options_.migrate},
                                     {"first_seed", options_.first_seed},
                                     {"seeds", options_.seeds},
                                     {"set", overrides},
@@ -193,18 +214,114 @@ class StudySearch {
     }
   }
 
-  // Sets the scores of its parameters.
-  void play(Candidate& candidate) {
-    const Experiment experiment = make_experiment(candidate.numbers);
-    const ExperimentResult result = play_experiment(
-        experiment, {.log = options_.out / "trials.jsonl", .jobs = options_.jobs, .batch = options_.seeds});
+  // A generation is that of all islands, and a barrier: all candidates are evaluated before the strategies
+  // learn from any, each in the order of their numbers.
+  void search_with_islands() {
+    std::vector<CmaEs> islands;
+    for (std::size_t i = 0; i < options_.islands; ++i) {
+      islands.emplace_back(start_of(study_.numbers), CmaEsOptions{.population = options_.population,
+                                                                  .spread = options_.spread,
+                                                                  .seed = static_cast<std::uint32_t>(i + 1)});
+    }
+    const std::size_t generations =
+        std::max<std::size_t>(1, options_.evaluations / (options_.population * options_.islands));
+    for (std::size_t generation = 1; generation <= generations; ++generation) {
+      Points points;
+      for (const CmaEs& island : islands)
+        points.insert(points.end(), island.ask().begin(), island.ask().end());
+      const std::size_t first = search_.candidates().size();
+      evaluate(points);
+      std::size_t number = first;
+      for (CmaEs& island : islands) {
+        for (std::size_t i = 0; i < options_.population; ++i)
+          island.tell(i, -search_.candidates()[number++].score);
+      }
+      if (options_.migrate > 0 && generation % options_.migrate == 0) migrate(islands);
+    }
+  }
+
+  // A candidate, and the experiment that it is if it is feasible.
+  struct Evaluation {
+    Candidate candidate{};
+    std::optional<Experiment> experiment{};
+    std::optional<InputError> error{};
+    std::vector<double> durations_s{};  // of the trials that do not end with a fall, by cell
+    std::size_t first_trial = 0;        // in the generation
+    std::size_t missing = 0;            // trials without a record
+  };
+
+  // Evaluates points of the unit box, and adds the candidates in their order, each as soon as its trials and
+  // those of all before it are known.
+  void evaluate(const Points& points) {
+    std::vector<Evaluation> evaluations;
+    for (const std::vector<double>& x : points) evaluations.push_back(begin(x));
+    std::vector<SearchTrial> trials;
+    std::vector<std::size_t> owners;
+    for (std::size_t i = 0; i < evaluations.size(); ++i) {
+      Evaluation& evaluation = evaluations[i];
+      if (!evaluation.experiment) continue;
+      evaluation.first_trial = trials.size();
+      for (std::size_t seed = 0; seed < options_.seeds; ++seed) {
+        for (std::size_t cell = 0; cell < study_.trials.size(); ++cell)
+          trials.push_back({&*evaluation.experiment, {cell, options_.first_seed + seed}});
+      }
+      evaluation.missing = trials.size() - evaluation.first_trial;
+      owners.insert(owners.end(), evaluation.missing, i);
+    }
+    std::size_t next = 0;
+    const auto add_those_that_are_known = [&] {
+      for (; next < evaluations.size() && evaluations[next].missing == 0; ++next)
+        finish(evaluations[next], trials);
+    };
+    add_those_that_are_known();  // the start may be infeasible, or a generation
+    trials_.play(trials, [&](std::size_t number) {
+      --evaluations[owners[number]].missing;
+      add_those_that_are_known();
+    });
+  }
+
+  Evaluation begin(const std::vector<double>& x) const {
+    Evaluation evaluation{.candidate = {.numbers = values_at(study_.numbers, x)}};
+    try {
+      evaluation.experiment = make_experiment(evaluation.candidate.numbers, evaluation.durations_s);
+    } catch (const InputError& error) {
+      evaluation.error = error;
+    }
+    return evaluation;
+  }
+
+  // A limit may show only when a simulation is built. The first trial in order counts.
+  void find_violated_limit(Evaluation& evaluation, const std::vector<SearchTrial>& trials) const {
+    const std::size_t count = options_.seeds * study_.trials.size();
+    for (std::size_t i = 0; i < count && !evaluation.error; ++i) {
+      const std::string& error = trials[evaluation.first_trial + i].trial.record.error;
+      if (error.starts_with(kInfeasible))
+        evaluation.error.emplace(study_.file, 0, error, "a feasible candidate",
+                                 error.substr(std::string_view(kInfeasible).size()));
+    }
+  }
+
+  void finish(Evaluation& evaluation, const std::vector<SearchTrial>& trials) {
+    if (evaluation.experiment) find_violated_limit(evaluation, trials);
+    if (evaluation.error) {
+      search_.add_infeasible(std::move(evaluation.candidate), *evaluation.error);
+      return;
+    }
+    set_scores(evaluation, trials);
+    search_.add(std::move(evaluation.candidate));
+  }
+
+  void set_scores(Evaluation& evaluation, const std::vector<SearchTrial>& trials) {
+    Candidate& candidate = evaluation.candidate;
     double sum = 0.0;
     double weights = 0.0;
     for (std::size_t cell = 0; cell < study_.trials.size(); ++cell) {
       const StudiedTrial& studied = study_.trials[cell];
       double mean = 0.0;
-      for (const GettingUpTrial& trial : trial_fields().trials(result.cells[cell])) {
-        mean += score(studied, trial, durations_s_[cell]);
+      for (std::size_t seed = 0; seed < options_.seeds; ++seed) {
+        const std::size_t number = evaluation.first_trial + seed * study_.trials.size() + cell;
+        const GettingUpTrial trial = trial_fields().trial(trials[number].trial.record);
+        mean += score(studied, trial, evaluation.durations_s[cell]);
         lost_.add(trial);
       }
       mean /= static_cast<double>(options_.seeds);
@@ -221,7 +338,9 @@ class StudySearch {
     return {play_in_world(scenario, seed)};
   }
 
-  Experiment make_experiment(const std::vector<double>& numbers) {
+ public:
+  // The experiment of these parameters. Throws InputError for infeasible ones.
+  Experiment make_experiment(const std::vector<double>& numbers, std::vector<double>& durations_s) const {
     std::vector<std::string> texts;
     std::vector<Override> shared = options_.overrides;
     for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -229,14 +348,13 @@ class StudySearch {
     }
     std::vector<simulation::Scenario> scenarios;
     Experiment experiment{"study"};
-    durations_s_.clear();
     for (const StudiedTrial& trial : study_.trials) {
       std::vector<Override> overrides = shared;
       overrides.insert(overrides.end(), trial.set.begin(), trial.set.end());
       for (const Override& item : overrides) texts.insert(texts.end(), {item.path, item.value});
       scenarios.push_back(simulation::read_scenario(study_.scenario, overrides));
       scenarios.back().world = {simulation::world_named(study_.world), std::nullopt};
-      durations_s_.push_back(1e-6 * static_cast<double>(scenarios.back().duration_us));
+      durations_s.push_back(1e-6 * static_cast<double>(scenarios.back().duration_us));
       experiment.cells.push_back({.name = trial.name, .settings = {{"trial", trial.name}}});
     }
     for (const auto& [factor, range] : simulation::range_texts(simulation::world_named(study_.world)))
@@ -244,18 +362,40 @@ class StudySearch {
     experiment.first_seed = options_.first_seed;
     experiment.seeds = options_.seeds;
     experiment.inputs = hash_inputs(study_files(study_, scenarios), texts);
-    set_trials(experiment, trial_fields(), [this, scenarios](std::size_t cell, std::uint64_t seed) {
-      return play(study_.trials[cell], scenarios[cell], seed);
+    // The error of the start is the user's. Others are results, which every shard has to know.
+    const bool is_start = search_.candidates().empty() && numbers == start_values();
+    set_trials(experiment, trial_fields(), [this, scenarios, is_start](std::size_t cell, std::uint64_t seed) {
+      try {
+        return play(study_.trials[cell], scenarios[cell], seed);
+      } catch (const InputError& error) {
+        if (is_start) throw;
+        GettingUpTrial infeasible;
+        infeasible.error = kInfeasible + error.limit();
+        return infeasible;
+      }
     });
     return experiment;
   }
 
+ private:
   const Study& study_;
   const StudyOptions& options_;
+  SearchTrials& trials_;
   const ShowProgress progress_;
-  std::vector<double> durations_s_;  // of the trials that do not end with a fall
   Search search_;
   LostTrials lost_;
+};
+
+void check_shards(const StudyOptions& options) {
+  if (options.method != Method::kCmaEs) throw InputError("--search", 0, "nsga-2 in shards", "cma-es");
+}
+
+// For what is asked without playing.
+class NoTrials : public SearchTrials {
+ public:
+  void play(std::vector<SearchTrial>& trials, const TrialFinished&) override {
+    throw TrialsMissing(trials.size(), trials.size());
+  }
 };
 
 }  // namespace
@@ -274,7 +414,81 @@ std::vector<std::filesystem::path> study_files(const Study& study,
 SearchResult search_study(const Study& study, const StudyOptions& options, const ShowProgress& progress) {
   std::filesystem::create_directories(options.out);
   const FolderLock lock(options.out);
-  return StudySearch(study, options, progress).search();
+  const auto trials = make_local_trials(options.out / kTrials, trial_fields().metrics(), options.jobs);
+  return StudySearch(study, options, *trials, progress).search();
+}
+
+std::string study_inputs(const Study& study, const StudyOptions& options) {
+  check_shards(options);
+  StudyOptions silent = options;
+  silent.out.clear();
+  NoTrials none;
+  const StudySearch search(study, silent, none, {});
+  std::vector<double> durations_s;
+  return search.make_experiment(search.start_values(), durations_s).inputs;
+}
+
+SearchResult play_study_shard(const Study& study, const StudyOptions& options, const Shard& shard,
+                              const ShowProgress& progress) {
+  check_shards(options);
+  const auto trials = make_shard_trials(options.out, shard, trial_fields().metrics(), options.jobs);
+  StudyOptions silent = options;
+  silent.out.clear();
+  return StudySearch(study, silent, *trials, progress).search();
+}
+
+SearchResult merge_study(const Study& study, const StudyOptions& options, std::size_t shards,
+                         const ShowProgress& progress) {
+  check_shards(options);
+  const FolderLock lock(options.out);
+  // The results go into the folder only once they are complete.
+  StudyOptions beside = options;
+  beside.out = options.out / "merging";
+  std::filesystem::remove_all(beside.out);
+  std::filesystem::create_directory(beside.out);
+  const auto trials = make_merged_trials(options.out, shards, trial_fields().metrics(), beside.out / kTrials);
+  StudySearch search(study, beside, *trials, progress);
+  SearchResult result;
+  try {
+    result = search.search();
+  } catch (const TrialsMissing& error) {
+    std::filesystem::remove_all(beside.out);
+    throw InputError(options.out, 0,
+                     fmt::format("incomplete shards: {} of {} trials are missing after {} of {} evaluations",
+                                 error.missing, error.all, search.done(), options.evaluations),
+                     "those of a whole search (koboshi lab submit runs the shards)");
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(beside.out))
+    std::filesystem::rename(entry.path(), options.out / entry.path().filename());
+  std::filesystem::remove(beside.out);
+  return result;
+}
+
+std::vector<ShardProgress> study_progress(const Study& study, const StudyOptions& options,
+                                          std::size_t shards) {
+  check_shards(options);
+  StudyOptions silent = options;
+  silent.out.clear();
+  const auto trials = make_merged_trials(options.out, shards, trial_fields().metrics(), {});
+  StudySearch search(study, silent, *trials, {});
+  bool complete = true;
+  try {
+    static_cast<void>(search.search());
+  } catch (const TrialsMissing&) {
+    complete = false;
+  }
+  // As many trials as all candidates have that are not evaluated, if all of them are feasible.
+  const std::size_t left = complete ? 0
+                                    : (options.evaluations - std::min(options.evaluations, search.done())) *
+                                          options.seeds * study.trials.size();
+  std::vector<ShardProgress> progress;
+  for (std::size_t i = 1; i <= shards; ++i) {
+    std::ifstream file(shard_file(options.out, {i, shards}), std::ios::binary);
+    const auto lines = std::count(std::istreambuf_iterator<char>(file), {}, '\n');
+    progress.push_back({.finished = static_cast<std::size_t>(lines),
+                        .remaining = complete ? 0 : std::max<std::size_t>(1, left / shards)});
+  }
+  return progress;
 }
 
 }  // namespace koboshi::tools

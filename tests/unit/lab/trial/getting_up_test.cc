@@ -13,7 +13,7 @@ constexpr std::uint64_t kTick_us = 10'000;
 simulation::GroundTruth trunk(double tilt_rad, double height_m, double rate_rad_per_s = 0.0) {
   simulation::GroundTruth truth;
   truth.tilt_rad = tilt_rad;
-  truth.p_WB_W.z() = height_m;
+  truth.height_m = height_m;
   truth.pose_height_m = 0.16;
   truth.w_WB_W.x() = rate_rad_per_s;
   return truth;

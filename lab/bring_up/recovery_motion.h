@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim_board/description/description.h"
+
+namespace koboshi::tools {
+
+// A motion by which a robot falls, rolls over or rises (motion::kMotionNames), as a list of poses.
+class RecoveryMotion {
+ public:
+  struct Pose {
+    std::string name;
+    std::map<std::size_t, double> angles_deg;  // by joint; the others keep their targets
+  };
+  struct Step {
+    std::optional<std::size_t> pose{};  // of a move or a wait; nothing: what `text` says
+    double time_s = 0.0;
+    std::string text{};  // an expected attitude, as the motion file has it
+  };
+
+  // A variable of a search: the angles of a role on both sides in a pose, or the time of a step.
+  struct Variable {
+    std::size_t pose = 0;  // or, for a time, the step
+    std::string role{};    // without its side: "hip_pitch"; empty: a time
+    double reach = 0.0;    // degrees to either side, or the largest factor of the time
+  };
+
+  // Gives the motion `name` of the robot `from` to the robot `to`: the angles of joints with the same role,
+  // within their limits, and times by `time_scale`, but no shorter than the servos need. A pose named
+  // `stand` becomes `standing_deg`. Joints that `to` does not have are dropped and noted. Throws InputError
+  // if `from` has no such motion, if it has a step that this class does not know, and as retarget_joints()
+  // does.
+  static RecoveryMotion retarget(const std::string& name, const std::filesystem::path& from,
+                                 const sim_board::RobotDescription& to,
+                                 std::span<const std::pair<std::string, double>> standing_deg,
+                                 double time_scale);
+
+  // Returns the variables of a search: hips, knees, ankles, shoulders and elbows of the poses after the first
+  // attitude that is expected, but for the last pose, and the times of these moves.
+  [[nodiscard]] std::vector<Variable> variables() const;
+  // The motion with other values; `x` in the unit box, by variable: 0.5 leaves a value as it is.
+  [[nodiscard]] RecoveryMotion with(std::span<const Variable> variables, std::span<const double> x) const;
+  // The motion file; `origin` stands in its first line.
+  [[nodiscard]] std::string text(const std::string& origin) const;
+
+  const std::string& name() const { return name_; }
+  const std::vector<std::string>& notes() const { return notes_; }
+
+ private:
+  RecoveryMotion(std::string name, const sim_board::RobotDescription& robot)
+      : name_(std::move(name)), robot_(&robot) {}
+
+  double clamped_deg(std::size_t joint, double angle_deg) const;
+  // Gives each move the time that the servos need for it.
+  void slow_down();
+
+  std::string name_;
+  const sim_board::RobotDescription* robot_;
+  std::vector<Pose> poses_;
+  std::vector<Step> steps_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace koboshi::tools

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/yaml/yaml_tree.h"
+#include "lab/learn/checkpoint.h"
+#include "lab/learn/learning_study.h"
+
+namespace koboshi::tools {
+
+struct TrainingOptions {
+  std::vector<Override> overrides{};  // of the scenario
+  std::filesystem::path out{};        // folder of the results
+  std::size_t jobs = 1;
+  std::uint64_t until = 0;  // the last generation of this call; 0: that of the study
+};
+
+struct TrainingProgress {
+  std::uint64_t generation = 0;
+  std::uint64_t generations = 0;
+  std::string stage{};
+  double reward = 0.0;    // mean of the candidates
+  double survived = 0.0;  // share of their episodes
+  ValidationMean last{};
+  ValidationMean best{};
+};
+
+struct TrainingResult {
+  ValidationMean engine{};  // without a policy, in the validation's episodes
+  ValidationMean best{};
+  std::uint64_t generations = 0;
+};
+
+// Trains a policy by an evolution strategy. Each candidate is a network in floating point; the firmware runs
+// its quantised image in closed loop, so that the training feels the rounding. Results do not depend on the
+// number of jobs. Leaves in the folder: log.jsonl, a line for each generation; state.json, from which an
+// interrupted training resumes with the same bytes; policy.kpol and policy.yaml, the best network so far, by
+// validation; report.md, curve.png and best.mcap at the end. Throws InputError, also for the folder of a
+// training with other inputs.
+[[nodiscard]] TrainingResult train(const LearningStudy& study, const TrainingOptions& options,
+                                   const std::function<void(const TrainingProgress&)>& progress = {});
+
+}  // namespace koboshi::tools
