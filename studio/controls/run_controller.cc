@@ -6,6 +6,7 @@
 #include <QThreadPool>
 #include <algorithm>
 #include <exception>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -55,11 +56,16 @@ void RunController::open(const std::filesystem::path& file, std::function<Opened
   });
 }
 
+std::vector<Override> RunController::overrides_of_scenarios() const {
+  if (robot_of_scenarios_.empty()) return {};
+  return {{"robot", robot_of_scenarios_.string(), "--robot"}};
+}
+
 void RunController::open_scenario(const std::filesystem::path& file, std::span<const Override> overrides) {
   robot_file_.clear();
   std::vector<Override> all(overrides.begin(), overrides.end());
-  if (!robot_of_scenarios_.empty() && std::ranges::find(all, "robot", &Override::path) == all.end())
-    all.push_back({"robot", robot_of_scenarios_.string(), "--robot"});
+  if (std::ranges::find(all, "robot", &Override::path) == all.end())
+    std::ranges::copy(overrides_of_scenarios(), std::back_inserter(all));
   open(file,
        [file, prepare = preparation_ ? preparation_() : Preparation(), all = std::move(all)]() -> Opened {
          simulation::Scenario scenario = simulation::read_scenario(file, all);

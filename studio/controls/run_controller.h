@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "base/yaml/yaml_tree.h"
 #include "studio/run/bus_monitor.h"
@@ -65,6 +66,8 @@ class RunController final : public QObject {  // Large: what every panel may ask
   void set_robot_of_scenarios(const std::filesystem::path& robot) {
     robot_of_scenarios_ = std::filesystem::absolute(robot);
   }
+  // The overrides with which a scenario is read accordingly.
+  std::vector<Override> overrides_of_scenarios() const;
   // Opens the scenario again with these overrides, and with the robot of set_robot().
   void reopen(std::span<const Override> overrides);
   // The file of the robot with which the scenario opens again, until another file is opened; empty: its own.
@@ -103,7 +106,7 @@ class RunController final : public QObject {  // Large: what every panel may ask
   void set_speed(double speed);
   // Shows this moment.
   void set_cursor(std::uint64_t time_us);
-  // Returns the simulation to the cursor. What came after it is forgotten.
+  // Returns the simulation to the cursor, and forgets all that came after it.
   void rewind_to_cursor();
   void give(Input input);
 

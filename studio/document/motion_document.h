@@ -27,8 +27,8 @@ struct JointAngle {
   double angle_rad = 0.0;
 };
 
-// Which steps an edit of a named pose concerns: all that use the pose, or this one alone, which then gets a
-// copy of the pose with a name of its own.
+// The steps that an edit of a named pose concerns: all that use the pose, or this one alone, which then gets
+// a copy of the pose with a name of its own.
 enum class PoseScope { kAllSteps, kThisStep };
 
 // Where steps are inserted.

@@ -19,8 +19,9 @@ using simulation::StepSource;
 using Kind = StepSource::Kind;
 
 constexpr double kSecondsPer_us = 1e-6;
-// Peak speed over mean speed: linear, minimum jerk (Flash and Hogan 1985), and a cubic from rest to rest.
-constexpr std::array<double, 3> kPeakRatios{1.0, 15.0 / 8.0, 3.0 / 2.0};
+// Peak speed over mean speed: linear, minimum jerk (Flash and Hogan 1985), a cubic from rest to rest, and a
+// trapezoid.
+constexpr std::array<double, 4> kPeakRatios{1.0, 15.0 / 8.0, 3.0 / 2.0, 3.0 / 2.0};
 
 // Where the nominal path stands.
 struct State {
@@ -141,17 +142,23 @@ class RowBuilder {
 
   void move(const StepSource* step, MotionRow& row, State& state) const {
     double most_deg = 0.0;
+    double fastest_s = 0.0;  // with each joint at its speed limit
     const simulation::PoseSource* pose = pose_of(step, row);
     for (std::size_t joint = 0; pose != nullptr && joint < pose->angles.size(); ++joint) {
       if (!pose->angles[joint]) continue;
       const double angle_rad = fixed::to_double(*pose->angles[joint]);
-      most_deg = std::max(most_deg, std::abs(angle_rad - state.angles_rad[joint]) * kDegreesPerRad);
+      const double way_rad = std::abs(angle_rad - state.angles_rad[joint]);
+      most_deg = std::max(most_deg, way_rad * kDegreesPerRad);
+      const double limit_rad_per_s = fixed::to_double(robot_.model.model.joints[joint].max_speed);
+      fastest_s = std::max(fastest_s, way_rad / limit_rad_per_s);
       state.angles_rad[joint] = angle_rad;
       row.moved |= 1U << joint;
     }
     state.moved |= row.moved;
     const double ratio = kPeakRatios.at(static_cast<std::size_t>(row.interpolation));
-    state.time_s += row.speed_deg_per_s ? ratio * most_deg / *row.speed_deg_per_s : row.time_s.value_or(0.0);
+    state.time_s += row.speed_deg_per_s ? ratio * most_deg / *row.speed_deg_per_s
+                    : row.at_least      ? std::max(row.time_s.value_or(0.0), ratio * fastest_s)
+                                        : row.time_s.value_or(0.0);
     state.time_s += row.pause_s;
   }
 
@@ -233,7 +240,7 @@ class RowBuilder {
     for (const YamlNode& item : node.items) {
       const bool refers = (item.key == "from" || item.key == "mirror") &&
                           item.kind == YamlNode::Kind::kScalar && node.find("time_s") == nullptr &&
-                          node.find("speed_deg_per_s") == nullptr;
+                          node.find("speed_deg_per_s") == nullptr && node.find("at_least_s") == nullptr;
       if (refers) ++uses[item.scalar];
       count_derived(item, uses);
     }

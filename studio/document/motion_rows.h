@@ -43,8 +43,9 @@ struct MotionRow {
   bool own_interpolation = false;  // given by the step, not by the file
   double pause_s = 0.0;
 
-  // Moves by time, waits, and the time-out of a wait for a condition.
+  // Moves by time or least time, waits, and the time-out of a wait for a condition.
   std::optional<double> time_s = {};
+  bool at_least = false;  // a move that takes `time_s` or as much more as its joints need
 
   // Loops: count of repetitions. Empty: a condition or a stop command ends the loop.
   std::optional<int> times = {};

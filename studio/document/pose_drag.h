@@ -35,8 +35,8 @@ class PoseDrag {
            const Eigen::Vector3d& grabbed_B_m, DragSupport support = DragSupport::kBothFeet);
 
   // Moves the grabbed point by `displacement_B_m` and rotates the body by the rotation vector
-  // `rotation_B_rad` about the grabbed point; both in axes of the trunk as it was when the drag began. What a
-  // rotation has beyond half a turn is out of reach.
+  // `rotation_B_rad` about the grabbed point; both in axes of the trunk as it was when the drag began. A
+  // rotation by more than half a turn is out of reach.
   [[nodiscard]] DraggedPose move(const Eigen::Vector3d& displacement_B_m,
                                  const Eigen::Vector3d& rotation_B_rad = Eigen::Vector3d::Zero()) const;
 

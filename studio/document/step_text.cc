@@ -81,6 +81,7 @@ std::optional<double> number_at(const YamlNode& map, const char* key) {
 motion::Interpolation interpolation_of(const YamlNode* value) {
   if (value != nullptr && value->scalar == "minimum_jerk") return motion::Interpolation::kMinimumJerk;
   if (value != nullptr && value->scalar == "cubic") return motion::Interpolation::kCubic;
+  if (value != nullptr && value->scalar == "trapezoid") return motion::Interpolation::kTrapezoid;
   return motion::Interpolation::kLinear;
 }
 
@@ -105,6 +106,8 @@ void describe_step(const YamlNode& node, const YamlNode* default_interpolation, 
   const YamlNode* interpolation = node.find("interpolation");
   row.own_interpolation = interpolation != nullptr;
   row.interpolation = interpolation_of(interpolation != nullptr ? interpolation : default_interpolation);
+  row.at_least = node.find("at_least_s") != nullptr;
+  if (row.at_least) row.time_s = number_at(node, "at_least_s");
   row.speed_deg_per_s = number_at(node, "speed_deg_per_s");
   if (row.speed_deg_per_s && *row.speed_deg_per_s <= 0.0) row.speed_deg_per_s.reset();
   row.pause_s = number_at(node, "pause_s").value_or(0.0);

@@ -16,7 +16,9 @@ using simulation::StepSource;
 using Kind = StepSource::Kind;
 
 constexpr double kSpeedUnit_deg_per_s = 0.01;
-constexpr std::array kInterpolations{"linear", "minimum_jerk", "cubic"};
+constexpr std::array kInterpolations{"linear", "minimum_jerk", "cubic", "trapezoid"};
+// The keys that say how long a move takes; it has one of them.
+constexpr std::array kTimings{"time_s", "speed_deg_per_s", "at_least_s"};
 
 std::string speed_text(double speed_deg_per_s, int line, const std::filesystem::path& source) {
   if (!(speed_deg_per_s >= kSpeedUnit_deg_per_s && speed_deg_per_s <= 92'160.0))  // the image's highest
@@ -26,7 +28,7 @@ std::string speed_text(double speed_deg_per_s, int line, const std::filesystem::
 
 // The key with the time of a step: empty if it has none.
 Steps time_key(const YamlNode& step) {
-  if (step.find("pose") != nullptr) return {"time_s"};
+  if (step.find("pose") != nullptr) return {step.find("at_least_s") != nullptr ? "at_least_s" : "time_s"};
   if (step.find("wait_s") != nullptr) return {"wait_s"};
   for (const char* key : {"wait", "await"}) {
     if (step.find(key) != nullptr) return {key, "timeout_s"};
@@ -34,11 +36,15 @@ Steps time_key(const YamlNode& step) {
   return {};
 }
 
-// Sets one of two keys that exclude each other, in the place of the other one.
-void set_instead(const YamlNode& step, const YamlPath& path, const std::string& key, const std::string& other,
-                 const std::string& value, std::vector<YamlEdit>& edits) {
-  const bool replaces = step.find(key) == nullptr && step.find(other) != nullptr;
-  const YamlPath place = joined(path, {replaces ? other : key});
+// Sets one of the keys kTimings, in the place of the one that the move has.
+void set_timing(const YamlNode& step, const YamlPath& path, const std::string& key, const std::string& value,
+                std::vector<YamlEdit>& edits) {
+  std::string present = key;
+  for (const char* other : kTimings) {
+    if (step.find(key) == nullptr && step.find(other) != nullptr) present = other;
+  }
+  const bool replaces = present != key;
+  const YamlPath place = joined(path, {present});
   edits.push_back({YamlEdit::Kind::kSet, place, value});
   if (replaces) edits.push_back({YamlEdit::Kind::kRename, place, key});
 }
@@ -60,7 +66,7 @@ void MotionDocument::set_time(std::span<const std::size_t> rows, double time_s, 
         throw InputError(source_name(), step.line, "a step without a time", "a move or a wait");
       const std::string text = time_text(time_s, step.line, source_name());
       if (key.size() == 1 && key.front() == "time_s") {
-        set_instead(node, step.path, "time_s", "speed_deg_per_s", text, edits);
+        set_timing(node, step.path, "time_s", text, edits);
       } else {
         edits.push_back({YamlEdit::Kind::kSet, joined(step.path, key), text});
       }
@@ -78,8 +84,8 @@ void MotionDocument::set_speed(std::span<const std::size_t> rows, double speed_d
       const MotionRow& step = rows_.rows[index];
       const YamlNode& node = *find_node(yaml.tree(), step.path);
       if (node.find("pose") == nullptr) throw not_a_move(step, source_name());
-      set_instead(node, step.path, "speed_deg_per_s", "time_s",
-                  speed_text(speed_deg_per_s, step.line, source_name()), edits);
+      set_timing(node, step.path, "speed_deg_per_s", speed_text(speed_deg_per_s, step.line, source_name()),
+                 edits);
     }
     yaml.edit(edits);
   });
@@ -179,11 +185,12 @@ void MotionDocument::reverse_rows(std::span<const std::size_t> rows) {
     for (std::size_t i = 0; i < moves.size(); ++i) {
       const auto& [path, node] = moves[i];
       const YamlNode& donor = moves[i + 1 < moves.size() ? i + 1 : 0].second;
-      const YamlNode* time = donor.find("time_s");
-      const YamlNode* speed = donor.find("speed_deg_per_s");
-      if (time != nullptr) set_instead(node, path, "time_s", "speed_deg_per_s", time->scalar, edits);
-      if (speed != nullptr && time == nullptr)
-        set_instead(node, path, "speed_deg_per_s", "time_s", speed->scalar, edits);
+      for (const char* key : kTimings) {
+        const YamlNode* timing = donor.find(key);
+        if (timing == nullptr) continue;
+        set_timing(node, path, key, timing->scalar, edits);
+        break;
+      }
       const YamlNode* interpolation = donor.find("interpolation");
       const YamlPath place = joined(path, {"interpolation"});
       if (interpolation != nullptr)

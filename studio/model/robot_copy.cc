@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Links to everything in a folder but the one entry. What cannot be linked, the reader will miss and name.
+// Links to everything in a folder but the one entry. The reader will name an entry that cannot be linked.
 void link_entries(const fs::path& from, const fs::path& to, const fs::path& but) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(from, ignored))

@@ -27,7 +27,7 @@ class JointPanel final : public QScrollArea {
   void set_row(std::optional<std::size_t> row);
   // Puts the cursor into the name of the pose.
   void edit_name();
-  // Which steps an edit of the pose concerns, as the user has chosen.
+  // Returns the steps that an edit of the pose concerns, as the user has chosen.
   PoseScope scope() const;
   // By joint of the robot.
   QSlider* slider(std::size_t joint) const { return joints_.at(joint).slider; }

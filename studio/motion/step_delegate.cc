@@ -68,6 +68,7 @@ QWidget* StepDelegate::createEditor(QWidget* parent, const QStyleOptionViewItem&
       box->addItem(tr("linear"), 0);
       box->addItem(tr("minimum jerk"), 1);
       box->addItem(tr("cubic"), 2);
+      box->addItem(tr("trapezoid"), 3);
       return box;
     }
     default:

@@ -79,14 +79,15 @@ StepModel::Cells StepModel::cells_of(const MotionRow& row, std::size_t index) co
   cells.text[kStep] = QString::fromStdString(row.text);
   if (row.in_else && row.list_index == 0) cells.text[kStep].prepend(tr("else: "));
   cells.text[kStart] = number(row.start_s, 2);
-  if (row.time_s) cells.text[kTime] = short_number(*row.time_s);
+  if (row.time_s)
+    cells.text[kTime] = (row.at_least ? QStringLiteral("≥ ") : QString()) + short_number(*row.time_s);
   if (row.kind == Kind::kMove) {
     if (row.speed_deg_per_s) {
       cells.text[kSpeed] = short_number(*row.speed_deg_per_s);
       cells.text[kTime].clear();
     }
     if (row.pause_s > 0.0) cells.text[kPause] = short_number(row.pause_s);
-    const std::array names{tr("linear"), tr("minimum jerk"), tr("cubic")};
+    const std::array names{tr("linear"), tr("minimum jerk"), tr("cubic"), tr("trapezoid")};
     cells.text[kInterpolation] = names.at(static_cast<std::size_t>(row.interpolation));
     cells.inherits_interpolation = !row.own_interpolation;
   }

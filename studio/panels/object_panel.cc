@@ -25,7 +25,7 @@ constexpr int kLivePeriod_ms = 500;
 // Rows that are read again in each period: an access takes up to a control cycle of 10 ms.
 constexpr int kLiveRows = 24;
 
-// Which kind of node this is, by its number.
+// Returns the kind of a node by its number.
 const char* kind_of_node(std::uint8_t node_id, const sim_board::RobotDescription& robot) {
   const auto is_drive = std::ranges::any_of(
       robot.joints, [&](const sim_board::JointDescription& joint) { return joint.drive.node_id == node_id; });

@@ -49,7 +49,7 @@ class PlotPanel final : public QWidget {
   void set_follow(bool follow);
   bool follows() const { return view_->follows(); }
 
-  // Which signals are in which rows, for QSettings.
+  // Returns the rows and their signals, for QSettings.
   QVariant layout_state() const;
   // Returns false and changes nothing if the state holds no rows.
   bool restore_layout(const QVariant& state);

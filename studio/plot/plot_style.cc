@@ -14,12 +14,12 @@ constexpr std::array<QRgb, 8> kDarkTraces{0xff56b4e9, 0xfff08c3c, 0xff2fc79a, 0x
                                           0xfff0e442, 0xff7aa5ff, 0xffb7a4ff, 0xffc0c4cc};
 
 constexpr std::pair<const char*, QRgb> kStates[] = {
-    {"boot", 0xff6b7280},        {"limp", 0xff9aa1ab},     {"enabling", 0xff8ecdf0},
-    {"soft start", 0xff56b4e9},  {"standing", 0xff12a37b}, {"motion", 0xff0072b2},
-    {"walking", 0xff3a5fd0},     {"fault", 0xff7a1022},    {"emergency stop", 0xffb00020},
-    {"low battery", 0xffa8963a}, {"falling", 0xffd55e00},  {"fallen", 0xffb2467f},
-    {"righting", 0xffe69f00},    {"rolling", 0xfff2c14e},  {"rising", 0xfff0e442},
-    {"steadying", 0xffc9d94e}};
+    {"boot", 0xff6b7280},        {"limp", 0xff9aa1ab},        {"enabling", 0xff8ecdf0},
+    {"soft start", 0xff56b4e9},  {"standing", 0xff12a37b},    {"motion", 0xff0072b2},
+    {"walking", 0xff3a5fd0},     {"fault", 0xff7a1022},       {"emergency stop", 0xffb00020},
+    {"low battery", 0xffa8963a}, {"falling", 0xffd55e00},     {"fallen", 0xffb2467f},
+    {"righting", 0xffe69f00},    {"rolling", 0xfff2c14e},     {"rising", 0xfff0e442},
+    {"steadying", 0xffc9d94e},   {"sitting down", 0xff8c7a1f}};
 
 constexpr std::pair<const char*, const char*> kUnits[] = {
     {"rad_per_s", "rad/s"}, {"permille", "‰"}, {"m_per_s", "m/s"}, {"m_per_s2", "m/s²"},

@@ -30,8 +30,8 @@ class RunSamples {
  public:
   // Forgets everything.
   void set_signals(std::span<const view::Signal> signals);
-  // One value per signal; the time is later than that of the last sample. Of angles, the jumps of a whole
-  // turn at the ends of their range are removed.
+  // One value per signal; the time is later than that of the last sample. Jumps of angles by a
+  // whole turn, at the ends of their range, are removed.
   void append(std::uint64_t time_us, std::span<const float> values);
   // An event that is there already is not added again.
   void add_event(std::uint64_t time_us, const QString& text);

@@ -9,7 +9,7 @@
 
 #include "view/render/overlay.h"
 
-// How the view is drawn. What mouse and keyboard do in it is in robot_view_input.cc.
+// Draws the view. robot_view_input.cc handles mouse and keyboard in it.
 namespace koboshi::studio {
 namespace {
 

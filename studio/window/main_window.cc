@@ -220,7 +220,7 @@ void MainWindow::open_motion(const std::filesystem::path& file) {
 void MainWindow::open_scenario(const std::filesystem::path& file) {
   std::vector<Documents::Kind> replaced;
   if (documents_->is_modified(Documents::kParameters) || documents_->is_modified(Documents::kGait)) {
-    const simulation::Scenario scenario = simulation::read_scenario(file);
+    const simulation::Scenario scenario = simulation::read_scenario(file, run_->overrides_of_scenarios());
     if (!panels_->tuning().shows_parameters_of(scenario.robot)) replaced.push_back(Documents::kParameters);
     if (scenario.gait && !panels_->tuning().shows_gait(scenario.gait->file))
       replaced.push_back(Documents::kGait);
@@ -231,6 +231,10 @@ void MainWindow::open_scenario(const std::filesystem::path& file) {
 
 void MainWindow::show_opened() {
   messages_->hide();
+  if (const Session* session = run_->session()) {
+    const std::string left_out = simulation::left_out_text(session->scenario());
+    if (!left_out.empty()) messages_->show_message(QString::fromStdString(left_out), MessageKind::kWarning);
+  }
   view_->set_scene(run_->recording().scene, run_->robot());
   view_->set_pushable(run_->session() != nullptr);
   show_marks();
@@ -254,19 +258,23 @@ void MainWindow::show_cursor() {
 }
 
 void MainWindow::push(int link, const Eigen::Vector3d& p_L_m, const Eigen::Vector3d& force_W_N) {
+  const view::Link& pushed = run_->recording().scene.links[static_cast<std::size_t>(link)];
+  if (link > 0 && pushed.parent < 0) {  // a loose body
+    statusBar()->showMessage(tr("Only links of the robot can be pushed"), 3000);
+    return;
+  }
   simulation::Push given;
-  given.link.text = run_->recording().scene.links[static_cast<std::size_t>(link)].name;
+  given.link.text = pushed.name;
   given.shape = simulation::Push::Shape::kHalfSine;
   given.duration_us = kPush_us;
   given.force_W_N = force_W_N;
   given.p_L_m = p_L_m;
   run_->give(std::move(given));
-  statusBar()->showMessage(
-      tr("%1 N on %2 for %3 s")
-          .arg(force_W_N.norm(), 0, 'f', 1)
-          .arg(QString::fromStdString(run_->recording().scene.links[static_cast<std::size_t>(link)].name))
-          .arg(1e-6 * static_cast<double>(kPush_us)),
-      3000);
+  statusBar()->showMessage(tr("%1 N on %2 for %3 s")
+                               .arg(force_W_N.norm(), 0, 'f', 1)
+                               .arg(QString::fromStdString(pushed.name))
+                               .arg(1e-6 * static_cast<double>(kPush_us)),
+                           3000);
 }
 
 // In the title, the status line and the names of the panels.

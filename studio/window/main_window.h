@@ -36,8 +36,8 @@ class MainWindow final : public QMainWindow {
   explicit MainWindow(const std::filesystem::path& robot);
   ~MainWindow() override;
 
-  // Opens a scenario, a motion, or a recorded run by what the file holds. What cannot be opened is said in
-  // the message bar.
+  // Opens a scenario, a motion, or a recorded run by what the file holds. The message bar names a file that
+  // cannot be opened.
   void open(const std::filesystem::path& file);
 
   // Scenarios that are opened from now on have the robot of the constructor instead of their own.

@@ -169,7 +169,7 @@ float PoseController::foot_height_m(DragBody foot) const {
   return view_.picture().posed()[static_cast<std::size_t>(link)].p_WL_m.z();
 }
 
-// The foot that stays in its place: never the dragged one. Of both feet it does not matter which one is held.
+// The foot that stays in its place: never the dragged one. If neither is dragged, either may be held.
 DragBody PoseController::anchor_foot(DragBody body) const {
   if (body == DragBody::kLeftFoot) return DragBody::kRightFoot;
   if (body == DragBody::kRightFoot) return DragBody::kLeftFoot;

@@ -122,7 +122,7 @@ Recording head_of(const simulation::Scenario& scenario, const sim_board::RobotDe
   head.version = KOBOSHI_VERSION;
   for (tools::NetworkNode& node : tools::network_nodes(robot))
     head.nodes.push_back({node.node_id, std::move(node.name)});
-  head.scene = make_scene(robot, board.ground());
+  head.scene = make_scene(robot, board.ground(), board.free_bodies());
   return head;
 }
 
@@ -221,7 +221,8 @@ void RunRecording::record_true_joints() {
 
 void RunRecording::record_sample(std::uint64_t now_us) {
   const sim_board::World& world = board_.world();
-  const std::size_t links = robot_.links.size();
+  const std::span<const sim_board::FreeBodyState> bodies = world.free_bodies();
+  const std::size_t links = robot_.links.size() + bodies.size();
   const std::span<const sim_board::Contact> contacts = world.contacts();
   const std::size_t bytes = sizeof(PackedSampleHead) + links * sizeof(PackedPose) +
                             contacts.size() * sizeof(PackedContact) + values_.size() * sizeof(float);
@@ -230,8 +231,9 @@ void RunRecording::record_sample(std::uint64_t now_us) {
   Packer packer(words);
   packer.put(PackedSampleHead{now_us, static_cast<std::uint32_t>(links),
                               static_cast<std::uint32_t>(contacts.size()), values_.size()});
-  for (std::size_t link = 0; link < links; ++link)
+  for (std::size_t link = 0; link < robot_.links.size(); ++link)
     packer.put(packed(world.body(static_cast<int>(link)).X_WL));
+  for (const sim_board::FreeBodyState& body : bodies) packer.put(packed(body.X_WF));
   for (const sim_board::Contact& contact : contacts)
     packer.put(PackedContact{contact.link, contact.other_link, packed(contact.p_W), packed(contact.f_W)});
   packer.put_bytes(std::as_bytes(std::span(values_)));

@@ -20,6 +20,11 @@ constexpr Colour kGroundColour{0.52F, 0.55F, 0.58F};
 constexpr Colour kPatchColour{0.36F, 0.55F, 0.72F};
 constexpr double kPatchThickness_m = 0.0005;  // enough to be drawn above the plane
 constexpr int kDiscCorners = 48;
+constexpr Colour kBallColour{0.83F, 0.87F, 0.25F};
+constexpr Colour kSeamColour{0.95F, 0.96F, 0.92F};
+constexpr Colour kLooseBoxColour{0.72F, 0.55F, 0.36F};
+constexpr int kBallColumns = 32;
+constexpr int kBallRows = 16;
 
 Colour colour_of(const std::optional<sim_board::ColourDescription>& colour, const Colour& otherwise) {
   return colour ? Colour{(*colour)[0], (*colour)[1], (*colour)[2]} : otherwise;
@@ -151,6 +156,54 @@ Mesh disc(double radius_m) {
   return mesh;
 }
 
+// The rows `from` to `to` of a sphere that is divided into columns about z and rows between its poles.
+Mesh zone_of_sphere(double radius_m, int from, int to) {
+  Mesh mesh;
+  for (int row = from; row <= to; ++row) {
+    const double polar_rad = std::numbers::pi * row / kBallRows;
+    for (int column = 0; column < kBallColumns; ++column) {
+      const double turn_rad = 2.0 * std::numbers::pi * column / kBallColumns;
+      mesh.vertices_m.push_back(
+          (radius_m * Eigen::Vector3d(std::sin(polar_rad) * std::cos(turn_rad),
+                                      std::sin(polar_rad) * std::sin(turn_rad), std::cos(polar_rad)))
+              .cast<float>());
+    }
+  }
+  const auto index = [](int row, int column) {
+    return static_cast<std::uint32_t>(row * kBallColumns + column % kBallColumns);
+  };
+  for (int row = 0; row < to - from; ++row) {
+    for (int column = 0; column < kBallColumns; ++column) {
+      if (from + row > 0)
+        mesh.triangles.push_back({index(row, column), index(row + 1, column), index(row, column + 1)});
+      if (from + row < kBallRows - 1)
+        mesh.triangles.push_back(
+            {index(row, column + 1), index(row + 1, column), index(row + 1, column + 1)});
+    }
+  }
+  return mesh;
+}
+
+// A ball has a stripe about its equator, so that one sees it roll.
+Link link_of(const sim_board::FreeBodyDescription& body) {
+  Link link{.name = body.name};
+  if (body.shape == sim_board::FreeBodyDescription::Shape::kBox) {
+    link.visuals.push_back({.name = body.name, .geometry = Box{body.size_m}, .colour = kLooseBoxColour});
+  } else {
+    const double radius_m = 0.5 * body.size_m.x();
+    constexpr int kMiddle = kBallRows / 2;
+    const auto add = [&](const char* part, int from, int to, const Colour& colour) {
+      link.visuals.push_back(
+          {.name = body.name + part, .geometry = zone_of_sphere(radius_m, from, to), .colour = colour});
+    };
+    add("_top", 0, kMiddle - 1, kBallColour);
+    add("_stripe", kMiddle - 1, kMiddle + 1, kSeamColour);
+    add("_bottom", kMiddle + 1, kBallRows, kBallColour);
+  }
+  link.collisions = link.visuals;
+  return link;
+}
+
 Shape shape_of(const sim_board::FrictionPatch& patch, std::string name) {
   Shape shape{.name = std::move(name), .X_LG = patch.X_WP, .colour = kPatchColour};
   if (patch.outline == sim_board::FrictionPatch::Outline::kDisc) {
@@ -179,9 +232,11 @@ std::vector<Shape> shapes_of(const sim_board::GroundDescription& ground) {
 
 }  // namespace
 
-Scene make_scene(const sim_board::RobotDescription& robot, const sim_board::GroundDescription& ground) {
+Scene make_scene(const sim_board::RobotDescription& robot, const sim_board::GroundDescription& ground,
+                 const std::vector<sim_board::FreeBodyDescription>& free_bodies) {
   Scene scene{.robot = robot.name, .ground = shapes_of(ground)};
   scene.links = links_of(robot, scene.mesh_faults);
+  for (const sim_board::FreeBodyDescription& body : free_bodies) scene.links.push_back(link_of(body));
   if (ground.present) {
     const double length = ground.normal_W.norm();
     scene.planes.push_back({ground.normal_W / length, ground.offset_m});

@@ -31,7 +31,7 @@ std::filesystem::path recording_file(const std::filesystem::path& run);
 // are no recording.
 class RecordingMessages {
  public:
-  // Which messages count.
+  // The messages that are read.
   enum class Parts {
     kAll,
     kOverview,  // samples have values only; no contacts and frames

@@ -41,6 +41,26 @@ TEST(TimeEdits, ChangeOneValueInPlace) {
   expect_change([](auto& motion) { motion.erase_value(4, "pause_s"); }, with(", pause_s: 0.1", ""));
 }
 
+// A move has one of time, speed and least time; an edit puts the new one in the place of the old one.
+TEST(TimeEdits, KeepALeastTimeUntilASpeedReplacesIt) {
+  const std::string least = with("{pose: stand, time_s: 1.5}", "{pose: stand, at_least_s: 0.02}");
+  const auto edited = [&](auto&& edit) {
+    const auto document = document_of(least);
+    edit(*document);
+    return document->text();
+  };
+  EXPECT_EQ(edited([](auto& motion) { motion.set_time(Rows{0}, 0.5); }),
+            with("at_least_s: 0.02", "at_least_s: 0.5", least));
+  EXPECT_EQ(edited([](auto& motion) { motion.set_speed(Rows{0}, 90); }),
+            with("at_least_s: 0.02", "speed_deg_per_s: 90", least));
+  EXPECT_EQ(edited([](auto& motion) { motion.scale_time(Rows{0}, 2); }),
+            with("at_least_s: 0.02", "at_least_s: 0.04", least));
+  // From the standing pose the elbows turn by 20 degrees, at 7.48 rad/s.
+  EXPECT_NEAR(document_of(least)->rows().rows[0].duration_s, 20.0 * kDegree / 7.48, 1e-4);
+  const std::string slow = with("{pose: stand, time_s: 1.5}", "{pose: stand, at_least_s: 1.5}");
+  EXPECT_NEAR(document_of(slow)->rows().rows[0].duration_s, 1.5, 1e-9);
+}
+
 TEST(TimeEdits, ScaleRowsWithTheirBodies) {
   expect_change(
       [](auto& motion) {

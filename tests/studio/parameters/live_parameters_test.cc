@@ -45,7 +45,7 @@ struct LiveRun {
 
 TEST(LiveParameters, AreKnownAtTheStartOfARun) {
   LiveRun run;
-  EXPECT_EQ(run.live.state(at("step_time_ms")).in_force, 220.0);
+  EXPECT_EQ(run.live.state(at("step_time_ms")).in_force, 200.0);
   EXPECT_EQ(run.live.state(at("fall_lead_ms")).in_force, 135.0);
   run.advance(1000);
   run.live.read(at("fall_lead_ms"));
@@ -74,7 +74,7 @@ TEST(LiveParameters, ChangeTheSpeedOfAWalkingRobotAndComeAgainAfterARewind) {
   EXPECT_EQ(run.session.state_hash(), hash);
 
   run.rewind(6'900'000);
-  EXPECT_EQ(run.live.state(at("highest_velocity_forward_mm_per_s")).in_force, 300.0);
+  EXPECT_EQ(run.live.state(at("highest_velocity_forward_mm_per_s")).in_force, 330.0);
   run.advance(2600);
   EXPECT_GT(run.speed_m_per_s(), 0.15);
 }
@@ -123,7 +123,7 @@ TEST(LiveParameters, OfTheGaitWaitForTheNextWalk) {
   run.advance(1500);
   other.advance(1500);
   EXPECT_TRUE(run.live.state(at("step_height_mm")).waits);
-  EXPECT_EQ(run.live.state(at("step_height_mm")).in_force, 56.0);
+  EXPECT_EQ(run.live.state(at("step_height_mm")).in_force, 65.6);
   ASSERT_EQ(run.recording.samples.size(), other.recording.samples.size());
   EXPECT_EQ(run.recording.samples.back().links.back().p_WL_m,
             other.recording.samples.back().links.back().p_WL_m);

@@ -151,7 +151,7 @@ class TuningTest final : public QObject {
   void a_slider_slows_a_walking_robot() {
     open(root() / "scenarios/go.yaml");
     const std::string before = read(parameters_file());
-    QCOMPARE(in_force(kSpeedLimit), std::optional(300.0));
+    QCOMPARE(in_force(kSpeedLimit), std::optional(330.0));
     run_to(7'000'000);
     QVERIFY2(speed_m_per_s() > 0.15, qPrintable(QString::number(speed_m_per_s())));
     ParameterRow& row = panels_->parameters().row(at(kSpeedLimit));
@@ -184,13 +184,13 @@ class TuningTest final : public QObject {
     action("Save")->trigger();
     const std::string limit = std::string(kSpeedLimit) + ": ";
     const std::string now = editor().document()->table()[at(kSpeedLimit)].text(*value(kSpeedLimit));
-    QCOMPARE(read(parameters_file()), replaced(replaced(before, limit + "300", limit + now),
-                                               "step_height_mm: 20", "step_height_mm: 26"));
+    QCOMPARE(read(parameters_file()), replaced(replaced(before, limit + "330", limit + now),
+                                               "step_height_mm: 32", "step_height_mm: 26"));
     while (editor().document()->history().can_undo()) action("Undo")->trigger();
     QCOMPARE(editor().document()->text(), before);
     action("Redo")->trigger();
     action("Undo")->trigger();
-    while_running_until([&] { return in_force(kSpeedLimit) == std::optional(300.0); });
+    while_running_until([&] { return in_force(kSpeedLimit) == std::optional(330.0); });
   }
 
   void shows_what_controller_and_compiler_refuse() {
@@ -317,11 +317,13 @@ class TuningTest final : public QObject {
   // A search is started, watched, stopped, resumed and adopted: one change, which can be undone, and no file
   // is written.
   void a_study_is_searched_and_adopted() {
+    // They appear by generations, of six; enough of them for a search that lasts some seconds.
+    constexpr std::size_t kEvaluations = 96;
     StudyPanel& panel = panels_->studies();
     QVERIFY(panel.settings().study == root() / "studies/tiny.yaml");
     StudySettings settings = panel.settings();
     settings.out = root() / "found";
-    settings.evaluations = 16;
+    settings.evaluations = kEvaluations;
     settings.seeds = 1;
     settings.stepper = "lumped";
     settings.jobs = 1;
@@ -330,18 +332,18 @@ class TuningTest final : public QObject {
     QSignalSpy failed(&panel, &StudyPanel::failed);
     panel.findChild<QPushButton*>(QStringLiteral("start_study"))->click();
     QTRY_VERIFY_WITH_TIMEOUT(panel.run() && panel.run()->evaluations.size() >= 2, kPatience_ms);
-    QVERIFY(
-        panel.findChild<QLabel*>(QStringLiteral("study_state"))->text().contains(QLatin1String("running")));
+    const QString state = panel.findChild<QLabel*>(QStringLiteral("study_state"))->text();
+    QVERIFY2(state.contains(QLatin1String("running")), qPrintable(state));
     panel.stop();
     QVERIFY(finished.wait(kPatience_ms));
     QVERIFY2(failed.isEmpty(), qPrintable(failed.value(0).value(0).toString()));
     const std::size_t stopped_after = panel.run()->evaluations.size();
-    QVERIFY(stopped_after < 16 && !panel.run()->is_finished);
+    QVERIFY(stopped_after < kEvaluations && !panel.run()->is_finished);
     panel.start();
     QTRY_VERIFY_WITH_TIMEOUT(!panel.is_running(), kPatience_ms);
     QVERIFY2(failed.isEmpty(), qPrintable(failed.value(0).value(0).toString()));
     QVERIFY(panel.run()->is_finished);
-    QCOMPARE(panel.run()->evaluations.size(), std::size_t{16});
+    QCOMPARE(panel.run()->evaluations.size(), kEvaluations);
 
     const std::string before = read(parameters_file());
     auto* table = panel.findChild<QTableWidget*>();

@@ -29,6 +29,7 @@
 #include "studio/panels/node_table.h"
 #include "studio/panels/object_panel.h"
 #include "studio/plot/plot_panel.h"
+#include "studio/tuning/parameter_panel.h"
 #include "studio/widgets/message_bar.h"
 #include "tests/studio/window/view_fixture.h"
 #include "tests/support/sample_recording.h"
@@ -151,6 +152,29 @@ class RunWindowTest final : public ViewFixture {
     QVERIFY(test::click(*window_, "restart"));
     QVERIFY(opened.wait(kPatience_ms));
     QCOMPARE(window_->run().session()->scenario().robot, other);
+  }
+
+  // Parameters of this robot that are being edited stay, so that nobody is asked about them; a question would
+  // wait for an answer.
+  void a_scenario_keeps_changed_parameters_of_the_robot_of_the_command_line() {
+    QTemporaryDir folder;
+    RobotCopies copies(kRoot / "robots/koboshi/robot.sdf", folder.path().toStdString());
+    const std::filesystem::path other =
+        copies.write(read_text_file(kRoot / "robots/koboshi/robot.sdf", "a robot"));
+    const std::filesystem::path parameters = other.parent_path() / "parameters.yaml";
+    std::filesystem::remove(parameters);  // a link to the robot's own file
+    std::filesystem::copy_file(kRoot / "robots/koboshi/parameters.yaml", parameters);
+    window_ = test::make_window(other);
+    QVERIFY(window_);
+    window_->use_robot_in_scenarios();
+    ParameterEditor& editor = window_->findChild<ParameterPanel*>()->editor();
+    editor.show(ParameterEditor::kRobot);
+    const double value = *editor.document()->value(0);
+    QVERIFY(editor.set(0, value * 1.01) || editor.set(0, value * 0.9));
+    QVERIFY(editor.is_modified());
+    open(kRoot / "scenarios/walk.yaml");
+    QCOMPARE(window_->run().session()->scenario().robot, other);
+    QVERIFY(editor.is_modified());
   }
 
   // As in the replay page (view/render/looks.h).

@@ -85,7 +85,7 @@ const STATE_COLOURS = {
   boot: "#6b7280", limp: "#9aa1ab", enabling: "#8ecdf0", "soft start": "#56b4e9", standing: "#12a37b",
   motion: "#0072b2", walking: "#3a5fd0", fault: "#7a1022", "emergency stop": "#b00020", "low battery": "#a8963a",
   falling: "#d55e00", fallen: "#b2467f", righting: "#e69f00", rolling: "#f2c14e", rising: "#f0e442",
-  steadying: "#c9d94e",
+  steadying: "#c9d94e", "sitting down": "#8c7a1f",
 };
 function stateColour(name, index) {
   return STATE_COLOURS[name.replace(/_/g, " ")] || SERIES.light[index % SERIES.light.length];

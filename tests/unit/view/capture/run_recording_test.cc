@@ -157,6 +157,34 @@ TEST(RunRecording, HasPosesAndJointsBetweenTicks) {
   }
 }
 
+// A ball falls beside the robot: 0.2 s of free fall.
+TEST(RunRecording, HasTheLooseBodies) {
+  const test::TemporaryFolder folder;
+  simulation::Simulation simulation(simulation::read_scenario(
+      KOBOSHI_SOURCE_DIR "/scenarios/rise.yaml",
+      std::vector<Override>{
+          {"duration_s", "0.2"},
+          {"bodies", "[{name: ball, diameter_m: 0.1, mass_kg: 0.1, position_m: [1, 2], height_m: 3}]"}}));
+  const std::filesystem::path file = folder.path / "run.mcap";
+  RunRecording recording(file, simulation, {});
+  simulation::RunRecorder recorder(simulation, nullptr, &recording, simulation::RunRecorder::Rows::kAlways);
+  while (!simulation.finished()) {
+    simulation.advance();
+    recorder.record();
+    recording.record(recorder);
+  }
+  recording.close(recorder.summary().events);
+  const Recording read = read_recording(file);
+  const std::size_t links = simulation.robot().links.size();
+  ASSERT_EQ(read.scene.links.size(), links + 1);
+  EXPECT_EQ(read.scene.links.back().name, "ball");
+  ASSERT_EQ(read.samples.back().links.size(), links + 1);
+  const Eigen::Vector3f& p_m = read.samples.back().links.back().p_WL_m;
+  EXPECT_NEAR(p_m.x(), 1.0F, 1e-5F);
+  EXPECT_NEAR(p_m.y(), 2.0F, 1e-5F);
+  EXPECT_NEAR(p_m.z(), 3.0F - 0.5F * 9.80665F * 0.04F, 1e-3F);
+}
+
 TEST(RunRecording, HasTheSameBytesInEveryRun) { EXPECT_EQ(play(10'000).bytes, at_100_Hz().bytes); }
 
 // Counts what it hears.

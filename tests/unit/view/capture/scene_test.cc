@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <numbers>
 #include <sstream>
 #include <string>
 
@@ -211,6 +212,31 @@ TEST(Scene, HoldsTheGround) {
   }
   ground.present = false;
   EXPECT_TRUE(make_scene(default_robot(), ground).planes.empty());
+}
+
+// A ball's three zones close to a sphere whose faces look outwards.
+TEST(Scene, HoldsLooseBodiesBehindTheLinks) {
+  sim_board::FreeBodyDescription ball{.name = "ball"};
+  ball.size_m.x() = 0.2;
+  sim_board::FreeBodyDescription crate{.name = "crate", .shape = sim_board::FreeBodyDescription::Shape::kBox};
+  crate.size_m = Eigen::Vector3d(0.1, 0.2, 0.3);
+  const Scene scene = make_scene(default_robot(), {}, {ball, crate});
+  const std::size_t links = default_robot().links.size();
+  ASSERT_EQ(scene.links.size(), links + 2);
+  EXPECT_EQ(scene.links[links].name, "ball");
+  EXPECT_EQ(scene.links[links].mass_kg, 0.0) << "it is no part of the robot's centre of mass";
+  EXPECT_EQ(std::get<Box>(scene.links[links + 1].visuals.at(0).geometry).size_m, crate.size_m);
+  double volume_m3 = 0.0;
+  for (const Shape& zone : scene.links[links].visuals) {
+    const Mesh& mesh = std::get<Mesh>(zone.geometry);
+    for (const auto& [a, b, c] : mesh.triangles) {
+      const auto& v = mesh.vertices_m;
+      EXPECT_GT((v[b] - v[a]).cross(v[c] - v[a]).dot(v[a] + v[b] + v[c]), 0.0F);
+      volume_m3 += static_cast<double>(v[a].dot(v[b].cross(v[c]))) / 6.0;
+    }
+  }
+  const double sphere_m3 = 4.0 / 3.0 * std::numbers::pi * 1e-3;
+  EXPECT_NEAR(volume_m3, sphere_m3, 0.03 * sphere_m3);
 }
 
 }  // namespace
