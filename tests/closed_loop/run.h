@@ -35,6 +35,7 @@ class RobotRun final : private sim_board::BusObserver {
   const decltype(app::ControllerValues::behaviour)& behaviour() const {
     return host_->controller().values().behaviour;
   }
+  const app::ControllerValues& values() const { return host_->controller().values(); }
   const sim_board::RobotDescription& robot() const { return simulation_.robot(); }
   std::size_t joint(const std::string& name) const;
   // Number of drives that make torque.

@@ -97,6 +97,10 @@ simulation::Scenario adventure(sim_board::Stepper stepper, std::uint64_t seed) {
   fault(Kind::kAnkleStop);
   fault(Kind::kSupplyDrop).highest_V = 6.5;
   fault(Kind::kDrivePowerLoss, "head_pan");
+  simulation::Fault& discharge = fault(Kind::kBatteryDischarge);
+  discharge.open_circuit_V = 6.8;
+  discharge.over_us = 500'000;
+  discharge.duration_us.reset();
   for (int i = 0; i < 3; ++i) {
     simulation::Push push;
     push.at_us = some_us(300, 2000);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 #include "base/text/error.h"
 #include "tests/unit/simulation/scenario/temporary_tree.h"
@@ -81,6 +82,8 @@ class InfeasibleStudySearch : public StudySearch {
     // From 170 mm on the legs cannot make the step.
     study_.numbers = {
         {.path = "gait.set.com_height_m", .low = 0.15, .high = 0.25, .grid = 0.001, .start = 0.16}};
+    // Wide enough for candidates beyond 180 mm, which no leg reaches; below, joints are too fast.
+    options_.spread = 0.3;
   }
 };
 
@@ -100,6 +103,86 @@ TEST_F(InfeasibleStudySearch, CountsInfeasibleCandidatesByTheirLimitAndContinues
   // Resumed, it comes to the same end.
   EXPECT_EQ(search(Method::kCmaEs).infeasible, result.infeasible);
   EXPECT_EQ(contents(options_.out / "evaluations.csv"), evaluations);
+}
+
+class ShardedStudySearch : public InfeasibleStudySearch {
+ protected:
+  ShardedStudySearch() {
+    options_.evaluations = 24;
+    options_.seeds = 2;
+    shards_ = options_;
+    shards_.out = tree_.root() / "shards";
+    std::filesystem::create_directory(shards_.out);
+  }
+  void play(std::size_t number) {
+    static_cast<void>(play_study_shard(study_, shards_, {number, kShards}, {}));
+  }
+  SearchResult merge() { return merge_study(study_, shards_, kShards, {}); }
+  std::string shard(std::size_t number) { return contents(shard_file(shards_.out, {number, kShards})); }
+  void cut(std::size_t number, std::size_t bytes) {
+    std::ofstream(shard_file(shards_.out, {number, kShards}), std::ios::binary)
+        << shard(number).substr(0, bytes);
+  }
+  void expect_the_files_of_one_program() {
+    for (const char* name : {"trials.jsonl", "evaluations.csv", "best.yaml", "report.md", "search.json"})
+      EXPECT_EQ(contents(shards_.out / name), contents(options_.out / name)) << name;
+    EXPECT_FALSE(std::filesystem::exists(shards_.out / "merging"));
+  }
+
+  static constexpr std::size_t kShards = 3;
+  StudyOptions shards_;
+};
+
+TEST_F(ShardedStudySearch, MergesIntoTheFilesOfOneProgram) {
+  const SearchResult alone = search(Method::kCmaEs);
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t number = 1; number <= kShards; ++number)
+      threads.emplace_back([this, number] { play(number); });
+  }
+  for (std::size_t number = 1; number <= kShards; ++number) EXPECT_NE(shard(number), "") << number;
+  for (int repeated = 0; repeated < 2; ++repeated) {
+    EXPECT_EQ(merge().numbers, alone.numbers);
+    expect_the_files_of_one_program();
+  }
+}
+
+TEST_F(ShardedStudySearch, GoesOnWithoutShardsThatDiedAndAfterAKill) {
+  static_cast<void>(search(Method::kCmaEs));
+  play(2);  // alone: it plays the parts of the others
+  cut(2, shard(2).size() / 2);
+  EXPECT_THROW(static_cast<void>(merge()), InputError);
+  EXPECT_FALSE(std::filesystem::exists(shards_.out / "evaluations.csv"));
+  for (const ShardProgress& progress : study_progress(study_, shards_, kShards))
+    EXPECT_FALSE(progress.is_complete());
+  play(3);
+  for (const ShardProgress& progress : study_progress(study_, shards_, kShards))
+    EXPECT_TRUE(progress.is_complete());
+  static_cast<void>(merge());
+  expect_the_files_of_one_program();
+}
+
+TEST_F(ShardedStudySearch, HasIslands) {
+  options_.evaluations = shards_.evaluations = 48;
+  options_.islands = shards_.islands = 2;
+  options_.migrate = shards_.migrate = 1;
+  static_cast<void>(search(Method::kCmaEs));
+  EXPECT_EQ(lines(options_.out / "evaluations.csv"), 49);
+  play(1);
+  static_cast<void>(merge());
+  expect_the_files_of_one_program();
+}
+
+TEST_F(ShardedStudySearch, RefusesWhatHasNoShards) {
+  shards_.method = Method::kNsga2;
+  EXPECT_THROW(play(1), InputError);
+}
+
+TEST_F(ShardedStudySearch, HasInputsThatNameTheStart) {
+  const std::string inputs = study_inputs(study_, options_);
+  EXPECT_EQ(study_inputs(study_, shards_), inputs);
+  study_.numbers[0].start = 0.165;
+  EXPECT_NE(study_inputs(study_, options_), inputs);
 }
 
 TEST_F(InfeasibleStudySearch, RefusesAnInfeasibleStart) {

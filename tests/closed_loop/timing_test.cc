@@ -17,7 +17,8 @@ constexpr std::uint64_t kCycle_us = 10'000;
 constexpr std::uint16_t kSync = 0x080;
 constexpr std::uint16_t kFirstRpdo = 0x210;
 constexpr std::uint16_t kFirstTpdo = 0x190;
-constexpr std::array<std::uint16_t, 7> kTelemetry{0x181, 0x281, 0x381, 0x481, 0x182, 0x282, 0x382};
+constexpr std::array<std::uint16_t, 10> kTelemetry{0x181, 0x281, 0x381, 0x481, 0x182,
+                                                   0x282, 0x382, 0x482, 0x202, 0x302};
 
 bool is_within(const RobotRun::Frame& frame, std::uint16_t first_identifier) {
   return frame.frame.identifier >= first_identifier && frame.frame.identifier < first_identifier + 20;
@@ -100,8 +101,8 @@ TEST_F(Timing, LoadsTheBusToAboutHalf) {
   EXPECT_GE(load, 0.49);
   EXPECT_LE(load, 0.60);
   const std::uint64_t frames = after_.frames - before_.frames;
-  EXPECT_NEAR(static_cast<double>(frames), 5'058.0,
-              5.0);  // 48 per cycle, 250 heartbeats, four supply voltages requested
+  EXPECT_NEAR(static_cast<double>(frames), 5'178.0,
+              5.0);  // 49 per cycle, two in every tenth, 250 heartbeats, four supply voltages requested
 }
 
 // The load that `koboshi model check` prints for this robot bounds that of the simulated bus.
@@ -124,7 +125,8 @@ TEST_F(Timing, CarriesTheFramesOfTheComputedLoad) {
     const std::string_view name = identifier == kSync                              ? "SYNC"
                                   : is_within(frame, kFirstRpdo)                   ? "targets of the drives"
                                   : is_within(frame, kFirstTpdo)                   ? "answers of the drives"
-                                  : identifier == kTelemetry.back()                ? "telemetry, last PDO"
+                                  : identifier == 0x202                            ? "telemetry of the place"
+                                  : identifier == 0x302                            ? "telemetry of the ground"
                                   : std::ranges::count(kTelemetry, identifier) > 0 ? "telemetry"
                                   : identifier > 0x700                             ? "heartbeats"
                                                                                    : "supply readings";

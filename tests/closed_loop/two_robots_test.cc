@@ -55,9 +55,9 @@ void write_tall_parameters(const std::filesystem::path& folder) {
     ASSERT_NE(at, std::string::npos) << key;
     text.replace(at, text.find('\n', at) - at, "  " + key + ": " + value);
   };
-  set("step_time_ms", "240");
-  set("com_height_mm", "192");
-  set("step_height_mm", "23");
+  set("step_time_ms", "210");
+  set("com_height_mm", "188");
+  set("step_height_mm", "36");
   set("pitch_compliance_rad_per_m", "1.38");
   set("roll_compliance_rad_per_m", "0.428");
   set("longest_step_mm", "150");

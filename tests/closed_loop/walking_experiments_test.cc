@@ -62,11 +62,23 @@ TEST(Terrain, PassesOnAFloorAndFailsOnASteepSlope) {
   Experiment experiment = make_terrain(options);
   Ladder uphill = experiment.ladders[1];
   ASSERT_EQ(uphill.name, "uphill");
-  uphill.cells = {uphill.cells.front(), uphill.cells.back()};
+  uphill.cells = {uphill.cells.front(), uphill.cells.back()};  // 0 and 20 degrees
   experiment.ladders = {uphill};
   const ExperimentResult result = play_experiment(experiment, {});
   ASSERT_EQ(climb_of(uphill, result).highest, uphill.cells.front());
   EXPECT_EQ(experiment.conclude(experiment, result).values.at("uphill_passed"), 0.0);
+}
+
+TEST(Robustness, TakesLevelsForOneFactor) {
+  RobustnessOptions options = short_form<RobustnessOptions>();
+  options.scenario = KOBOSHI_SOURCE_DIR "/scenarios/get_up.yaml";
+  options.activities = {"push-standing", "push-on-the-spot"};
+  options.levels = {0.25, 0.3};
+  EXPECT_THROW(make_robustness(options), InputError);
+  options.factors = {"impulse"};
+  EXPECT_EQ(make_robustness(options).cells.size(), 4u);
+  options.levels = {0.3, 0.25};
+  EXPECT_THROW(make_robustness(options), InputError);
 }
 
 // The weakest and the hardest push at a standing robot, in two directions; all other factors are nominal.
@@ -98,7 +110,7 @@ TEST(Robustness, CountsEachKindOfLossUpToTheCliff) {
 }
 
 // The feedback of the rate is proportional below its clamp: with it, the loop has a gain; without any
-// feedback the trunk does not care what the gyro senses.
+// feedback, that of the DCM included, the trunk does not care what the gyro senses.
 TEST(Loop, HasAGainOnlyWithFeedback) {
   LoopOptions options = short_form<LoopOptions>();
   options.states = {"walking"};
@@ -113,10 +125,11 @@ TEST(Loop, HasAGainOnlyWithFeedback) {
   };
   const double closed = gain();
   for (const Feedback& feedback : feedbacks()) {
-    if (feedback.name == "capture") continue;
     for (const std::string& name : feedback.parameters)
       options.overrides.push_back({"parameters." + name, "0"});
   }
+  options.overrides.push_back({"parameters.plan_age_ms", "0"});
+  options.overrides.push_back({"parameters.sole_levelling_percent", "0"});
   const double open = gain();
   EXPECT_GT(closed, 0.1);
   EXPECT_LT(open, 0.3 * closed);

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -59,7 +60,10 @@ auto read_or_refuse(Reader&& reader) -> std::optional<decltype(reader())> {
     return reader();
   } catch (const InputError& error) {
     const std::string_view message = error.what();
-    if (message.empty() || message.find('\n') != std::string_view::npos) __builtin_trap();
+    if (message.empty() || message.find('\n') != std::string_view::npos) {
+      std::fprintf(stderr, "not one line: \"%s\"\n", error.what());
+      __builtin_trap();
+    }
     return {};
   }
 }

@@ -15,7 +15,7 @@ names=("$@")
 for name in "${names[@]}"; do
   corpus=tests/fuzz/corpus/$name
   mkdir -p "$corpus.new"
-  build/fuzz/bin/fuzz_"$name" -merge=1 -use_counters=0 -max_len=$max_bytes "$corpus.new" "$corpus" "build/fuzz/corpus/$name" >build/fuzz/merge.log 2>&1 ||
+  build/fuzz/bin/fuzz_"$name" -set_cover_merge=1 -use_counters=0 -max_len=$max_bytes "$corpus.new" "$corpus" "build/fuzz/corpus/$name" >build/fuzz/merge.log 2>&1 ||
     { tail build/fuzz/merge.log >&2; exit 1; }
   rm -rf "$corpus"
   mv "$corpus.new" "$corpus"

@@ -10,7 +10,7 @@ FOLDER = pathlib.Path(sys.argv.pop(1)) if __name__ == "__main__" else pathlib.Pa
 SECTIONS = ("FileInfo", "DeviceInfo", "DummyUsage", "Comments", "MandatoryObjects", "OptionalObjects", "ManufacturerObjects")
 OBJECT = re.compile(r"^([0-9A-F]{4})$")
 SUB_OBJECT = re.compile(r"^([0-9A-F]{4})sub([0-9A-F]{1,2})$")
-VARIABLE, ARRAY, RECORD = 7, 8, 9
+DOMAIN, VARIABLE, ARRAY, RECORD = 2, 7, 8, 9
 BITS = {1: 1, 2: 8, 3: 16, 4: 32, 5: 8, 6: 16, 7: 32}
 VISIBLE_STRING = 9
 
@@ -55,7 +55,7 @@ class Eds:
         def test_has_the_sub_indices_that_it_counts(self):
             for section in filter(OBJECT.match, self.eds.sections()):
                 subs = [s for s in self.eds.sections() if SUB_OBJECT.match(s) and s.startswith(section)]
-                if number(self.eds[section]["ObjectType"]) == VARIABLE:
+                if number(self.eds[section]["ObjectType"]) in (VARIABLE, DOMAIN):
                     self.assertEqual(subs, [], section)
                 elif "CompactSubObj" in self.eds[section]:
                     self.assertEqual(subs, [], section)

@@ -85,7 +85,7 @@ class Manual(unittest.TestCase):
         self.assertEqual(["--stepper"], self.complete("run", "walk", "--step"))
         self.assertEqual(["lumped"], self.complete("run", "--stepper", "l"))
         self.assertEqual(["walk"], self.complete("run", "wal"))
-        self.assertEqual(["squat"], self.complete("motion", "check", "squ"))
+        self.assertEqual(["squat", "squat_deep"], self.complete("motion", "check", "squ"))
         self.assertEqual(["koboshi"], self.complete("motion", "check", "--robot", "kob"))
         self.assertEqual(["controller", "cells"], self.complete("dictionary", "eds", "c"))
         self.assertEqual([], self.complete("run", "--seed", ""))

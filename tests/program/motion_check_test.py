@@ -29,6 +29,17 @@ class MotionCheck(unittest.TestCase):
         self.assertRegex(result.stdout, r"(?m)^stable: least margin \d+\.\d mm at \d+\.\d\d s, line \d+, pose \w+$")
         self.assertRegex(result.stdout, r"(?m)^ +0 +\d+ +pose \w+ ")
 
+    def test_the_motion_that_sits_down_has_no_finding(self):
+        """It is judged on its feet to its end, which is another pose than that of other motions."""
+        result = PROGRAM.run("motion", "check", MOTIONS / "sit.yaml", "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        report = json.loads(result.stdout)
+        self.assertEqual(report["findings"], [])
+        self.assertEqual(report["verdict"], "stable")
+        other = self.written("crouch.yaml", (MOTIONS / "sit.yaml").read_text().replace("name: sit", "name: crouch"))
+        report = json.loads(PROGRAM.run("motion", "check", other, "--json").stdout)
+        self.assertEqual([finding["code"] for finding in report["findings"]], ["C013"])
+
     def test_a_motion_that_falls_has_status_1(self):
         result = PROGRAM.run("motion", "check", self.written("falls.yaml", FALLS))
         self.assertEqual(result.returncode, 1, result.stderr)

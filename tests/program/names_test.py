@@ -75,7 +75,12 @@ class Names(unittest.TestCase):
         result = self.run_program("run", "squat", "--robot", "kobushi")
         self.assertEqual(2, result.returncode)
         self.assertRegex(result.stderr, "^kobushi: found no such file, and no robot of this name in .*, "
-                                        "expected the path of a robot or its name: koboshi\n$")
+                                        "expected the path of a robot or its name: chibi, hanpo, koboshi or noppo; the nearest is koboshi\n$")
+
+    def test_of_a_learning_study(self):
+        result = self.run_program("learn", "residaul")
+        self.assertEqual(2, result.returncode)
+        self.assertRegex(result.stderr, r"^residaul: found no such file, and no learning study of this name in \./studies/learn, .*: residual\n$")
 
     def test_of_a_study(self):
         result = self.run_program("tune", "wlak")

@@ -2,8 +2,11 @@
 
 import csv
 import math
+import pathlib
 import re
+import tempfile
 import unittest
+import xml.etree.ElementTree
 
 import program as support
 
@@ -23,6 +26,27 @@ def columns(file):
     with open(file, newline="") as text:
         rows = list(csv.DictReader(text))
     return {name: [float(row[name]) for row in rows if row[name]] for name in rows[0]}
+
+
+class Catalogue(unittest.TestCase):
+    def test_mx_106_is_the_identified_servo(self):
+        def values(library, name):
+            types = xml.etree.ElementTree.parse(LIBRARY.with_name(library)).getroot()
+            found, = [servo for servo in types if servo.get("name") == name]
+            return [(value.tag, value.text, value.attrib) for value in found]
+        self.assertEqual(values("catalogue.xml", "mx_106"), values("bam.xml", "mx_106_m6"))
+
+    def test_mx_106_is_a_name_for_the_import(self):
+        with tempfile.TemporaryDirectory(prefix="koboshi_servo_") as folder:
+            # The servo is looked up after the joints are known: the default robot's own model will do.
+            urdf = pathlib.Path(folder, "robot.urdf")
+            exported = PROGRAM.run("model", "export", ROBOT, "--urdf", urdf)
+            self.assertEqual(exported.returncode, 0, exported.stderr)
+            text = re.sub(r"<koboshi.*?</koboshi>", "", urdf.read_text(), flags=re.DOTALL)
+            urdf.write_text(text)
+            result = PROGRAM.run("model", "import", urdf, "-o", pathlib.Path(folder, "out"), "--servo", "mx_106")
+            self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+            self.assertIn("mx_106", pathlib.Path(folder, "out", "robot.sdf").read_text())
 
 
 class Plot(unittest.TestCase):

@@ -41,7 +41,7 @@ class Squat(unittest.TestCase):
 
     def test_bus_is_half_full(self):
         self.assertGreater(self.summary["can_bus_load"], 0.46)
-        self.assertLess(self.summary["can_bus_load"], 0.56)
+        self.assertLess(self.summary["can_bus_load"], 0.58)  # docs/design/timing.md: 56.4 %
 
     def test_leaves_its_files(self):
         names = sorted(file.name for file in self.run_folder.iterdir())

@@ -19,6 +19,7 @@ variables: {x: 0}
 poses: {p: {knee: 5, from: q}, q: {others: zero}}
 steps:
   - {pose: p, time_s: 1}
+  - {pose: p, at_least_s: 0.2, interpolation: trapezoid}
   - {loop: {while: x < 5, steps: [{set: {x: "+= 1"}}, {wait_s: 1}]}}
 """)
 
@@ -31,9 +32,10 @@ BAD = {
     "a misspelt step": lambda motion: motion["steps"].append({"wiat_s": 1}),
     "a time out of range": lambda motion: motion["steps"].append({"wait_s": 61}),
     "time and speed": lambda motion: motion["steps"][0].update(speed_deg_per_s=5),
+    "time and least time": lambda motion: motion["steps"][0].update(at_least_s=0.2),
     "neither time nor speed": lambda motion: motion["steps"][0].pop("time_s"),
     "a text for an angle": lambda motion: motion["poses"]["p"].update(knee="bent"),
-    "two ends of a loop": lambda motion: motion["steps"][1]["loop"].update(times=5),
+    "two ends of a loop": lambda motion: motion["steps"][2]["loop"].update(times=5),
     "an interpolation that is not there": lambda motion: motion.update(interpolation="spline"),
     "too much stiffness": lambda motion: motion["steps"].append({"stiffness": {"knee": 101}}),
     "a word that is no step": lambda motion: motion["steps"].append("halt"),

@@ -25,7 +25,17 @@ std::vector<std::byte> factory_storage() {
   return factory_storage(encode(factory_values(), load_encoded(encode(make_test_robot())).id));
 }
 
-std::vector<std::byte> factory_storage(std::span<const std::byte> parameters) {
+std::vector<std::byte> factory_storage_with_bend() {
+  const robot::RobotModel model = load_encoded(encode(make_test_robot()));
+  std::vector<fixed::Angle> bent(model.joint_count);
+  bent[kKnee] = degrees(60);
+  const TestMotion bending{
+      .name = "bend", .poses = {bent}, .steps = {{Opcode::kMove, 0, 200'000}, {Opcode::kEnd}}};
+  return factory_storage(encode(factory_values(), model.id), {encode(bending, model.id)});
+}
+
+std::vector<std::byte> factory_storage(std::span<const std::byte> parameters,
+                                       const std::vector<std::vector<std::byte>>& further_motions) {
   const std::vector<std::byte> model_image = encode(make_test_robot());
   const robot::RobotModel model = load_encoded(model_image);
   std::vector<fixed::Angle> stand(model.joint_count);
@@ -41,7 +51,8 @@ std::vector<std::byte> factory_storage(std::span<const std::byte> parameters) {
                                      {Opcode::kMove, 0, 200'000},
                                      {Opcode::kLoopEnd, 0},
                                      {Opcode::kEnd}}};
-  const std::vector<std::vector<std::byte>> motions{encode(standing, model.id), encode(nodding, model.id)};
+  std::vector<std::vector<std::byte>> motions{encode(standing, model.id), encode(nodding, model.id)};
+  motions.insert(motions.end(), further_motions.begin(), further_motions.end());
   return make_storage(model_image, motions, parameters);
 }
 

@@ -18,7 +18,10 @@ inline constexpr std::uint16_t kVelocityIdentifier = 0x301;  // COB-ID of veloci
 // and parameters (factory_values.h).
 std::vector<std::byte> factory_storage();
 // The same contents with these parameters, or without any if the item is empty.
-std::vector<std::byte> factory_storage(std::span<const std::byte> parameters);
+std::vector<std::byte> factory_storage(std::span<const std::byte> parameters,
+                                       const std::vector<std::vector<std::byte>>& further_motions = {});
+// The same with motion 2, which bends the left knee.
+std::vector<std::byte> factory_storage_with_bend();
 
 // A complete controller on a fake board with stub drives, without physics. It runs in zero simulated time:
 //

@@ -6,7 +6,7 @@
 namespace koboshi::test {
 
 inline constexpr walk::VelocityLimits kTestVelocityLimits{
-    .forward_mm_per_s = 300, .backward_mm_per_s = 250, .lateral_mm_per_s = 100, .turn_mrad_per_s = 1000};
+    .forward_mm_per_s = 330, .backward_mm_per_s = 260, .lateral_mm_per_s = 130, .turn_mrad_per_s = 1600};
 inline constexpr behaviour::PowerParameters kTestPower{
     .supply_min_mV = 6000, .supply_max_mV = 9000, .ramp_rate = 683, .supply_low_mV = 6300};
 inline constexpr behaviour::FallLimits kTestFallLimits{
@@ -20,7 +20,7 @@ inline app::ControllerValues factory_values() {
   values.parameters = kTestPower;
   values.feedback.walking = {
       .rate = {.ankle_pitch = 25, .ankle_roll = 252, .hip_roll = 82, .knee = 70, .hip_pitch = 59},
-      .lean = {.ankle_pitch = -410, .ankle_roll = 287, .hip_roll = 922, .knee = -614, .hip_pitch = -307}};
+      .lean = {.ankle_pitch = 0, .ankle_roll = 287, .hip_roll = 922, .knee = 0, .hip_pitch = 0}};
   values.velocity_limits = kTestVelocityLimits;
   values.walk = tuned_gait();
   values.recovery = kTestRecovery;

@@ -3,18 +3,21 @@
 
 #include <gtest/gtest.h>
 
+#include "sim_board/description/load.h"
 #include "simulation/assembly/storage_contents.h"
 #include "simulation/host/in_process_host.h"
 #include "simulation/host/qemu_host.h"
+#include "simulation/model/robot_model.h"
 #include "simulation/scenario/reader.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/unit/firmware/policy/lean_policy.h"
 #include "tools/run/run.h"
 
 namespace koboshi::tools {
 namespace {
 
-void expect_same_bytes(const char* scenario) {
-  RunOptions options{.scenario = simulation::read_scenario(scenario), .out = {}};
+void expect_same_bytes(const simulation::Scenario& scenario) {
+  RunOptions options{.scenario = scenario, .out = {}};
   options.scenario.duration_us = 10'000'000;
   const test::TemporaryFolder folder;
   options.out = folder.path / "host";
@@ -34,12 +37,23 @@ void expect_same_bytes(const char* scenario) {
 }
 
 TEST(Lockstep, EqualsTheInProcessRunToTheByte) {
-  expect_same_bytes(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml");
+  expect_same_bytes(simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"));
 }
 
 // Generating the walk is most of the firmware's arithmetic.
 TEST(Lockstep, EqualsTheInProcessRunWhileWalkingByCommand) {
-  expect_same_bytes(KOBOSHI_SOURCE_DIR "/scenarios/go.yaml");
+  expect_same_bytes(simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/go.yaml"));
+}
+
+// Also while a policy adds to it: its arithmetic has instructions of the core's own.
+TEST(Lockstep, EqualsTheInProcessRunWithAPolicy) {
+  const test::TemporaryFolder folder;
+  const auto robot =
+      simulation::load_named_model(sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf"));
+  simulation::Scenario scenario = simulation::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/go.yaml");
+  scenario.policy = test::write_policy(folder.path / "lean.kpol", test::lean_policy(robot.model));
+  scenario.parameters.push_back({{"policy_enabled", scenario.file, 0}, 1.0});
+  expect_same_bytes(scenario);
 }
 
 // Storage without a robot model, and with corrupt contents.

@@ -1,0 +1,111 @@
+// A training of a tiny network on the real robot, in walks of a second.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "base/text/error.h"
+#include "lab/learn/training.h"
+#include "sim_board/description/load.h"
+#include "simulation/model/robot_model.h"
+#include "simulation/policy/policy_file.h"
+#include "tests/unit/simulation/scenario/temporary_tree.h"
+
+namespace koboshi::tools {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Learn : public testing::Test {
+ protected:
+  Learn() {
+    study_.file = tree_.write("tiny.yaml", "");  // the inputs of a training depend on it
+    study_.scenario = KOBOSHI_SOURCE_DIR "/scenarios/go.yaml";
+    study_.hidden = {2};
+    study_.inputs = {{.signal = "roll", .typical = 0.1, .range = {-1.0, 1.0}},
+                     {.signal = "pitch_rate", .typical = 1.0, .range = {-20.0, 20.0}}};
+    study_.outputs = {{.joint = "left_ankle_roll", .bound_rad = 0.1, .rate_rad_per_s = 3.0}};
+    study_.population = 2;
+    study_.generations = 2;
+    study_.noise = 0.3;
+    study_.episodes = 1;
+    study_.walk_s = 1.0;
+    study_.validation_episodes = 1;
+    study_.validate_every = 1;
+    study_.stages = {{.name = "first", .world = "mild", .advance_at = 0.0},
+                     {.name = "last", .world = "rough", .forward_m_per_s = {0.05, 0.1}}};
+    study_.reward.lean = 1.0;
+  }
+  TrainingOptions options(const char* folder, std::size_t jobs = 1) const {
+    return {.out = tree_.root() / folder, .jobs = jobs};
+  }
+  std::string contents(const char* folder, const char* file) const {
+    std::ifstream stream(tree_.root() / folder / file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  void expect_same_results(const char* one, const char* other) const {
+    for (const char* file : {"log.jsonl", "state.json", "policy.kpol", "policy.yaml", "report.md"}) {
+      EXPECT_FALSE(contents(one, file).empty()) << file;
+      EXPECT_EQ(contents(one, file), contents(other, file)) << file;
+    }
+  }
+
+  simulation::TemporaryTree tree_;
+  LearningStudy study_;
+};
+
+struct Killed {};
+
+TEST_F(Learn, GivesTheSameBytesWithTwoThreadsAndAfterAnInterruption) {
+  const TrainingOptions undisturbed = options("one");
+  const TrainingResult result = train(study_, undisturbed);
+  EXPECT_EQ(result.generations, 2u);
+  EXPECT_EQ(result.engine.generation, 0u);
+  EXPECT_EQ(result.engine.offset, 0.0) << "the first network adds nothing";
+  EXPECT_GE(result.best.reward, result.engine.reward);
+  const std::string log = contents("one", "log.jsonl");
+  EXPECT_EQ(std::ranges::count(log, '\n'), 2);
+  EXPECT_THAT(log, HasSubstr("{\"generation\":1,\"stage\":\"first\""));
+  EXPECT_TRUE(std::filesystem::exists(undisturbed.out / "best.mcap"));
+  const auto model =
+      simulation::load_named_model(sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf"))
+          .model;
+  EXPECT_FALSE(simulation::read_policy_image(undisturbed.out / "policy.kpol", model).empty());
+
+  static_cast<void>(train(study_, options("two", 2)));
+  expect_same_results("one", "two");
+
+  // Interrupted after the first generation, while the second one has written half a line.
+  const TrainingOptions resumed = options("three");
+  EXPECT_THROW(static_cast<void>(train(study_, resumed, [](const TrainingProgress&) { throw Killed(); })),
+               Killed);
+  std::ofstream(resumed.out / "log.jsonl", std::ios::app) << "{\"generation\":2,\"sta";
+  static_cast<void>(train(study_, resumed));
+  expect_same_results("one", "three");
+
+  // A finished training has nothing left to do.
+  static_cast<void>(train(study_, resumed));
+  expect_same_results("one", "three");
+}
+
+TEST_F(Learn, ResumesAfterItsLastGeneration) {
+  TrainingOptions first = options("out");
+  first.until = 1;
+  EXPECT_EQ(train(study_, first).generations, 1u);
+  EXPECT_FALSE(std::filesystem::exists(first.out / "report.md"));
+  // Another study may not go on in this folder.
+  tree_.write("tiny.yaml", "# changed\n");
+  try {
+    static_cast<void>(train(study_, first));
+    FAIL() << "it is not refused";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("state.json: found a training with another study"));
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::tools

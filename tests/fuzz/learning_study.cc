@@ -1,0 +1,10 @@
+#include "lab/learn/learning_study.h"
+#include "tests/fuzz/fuzz_input.h"
+
+// A learning study (YAML).
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace koboshi;
+  static fuzz::InputFile file("study.yaml");
+  fuzz::read_or_refuse([&] { return tools::read_learning_study(file.with({data, size})); });
+  return 0;
+}
