@@ -7,8 +7,8 @@
 #include "cli/commands.h"
 #include "cli/motion/find_motion_file.h"
 #include "simulation/scenario/paths.h"
-#include "tools/motion/check/check.h"
-#include "tools/motion/check/text.h"
+#include "tools/motion_check/check.h"
+#include "tools/motion_check/text.h"
 
 namespace koboshi::tools {
 namespace {

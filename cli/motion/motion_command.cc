@@ -26,8 +26,8 @@
 #include "simulation/motion_language/compile/decompile.h"
 #include "simulation/motion_language/parse/parse.h"
 #include "simulation/scenario/paths.h"
-#include "tools/motion/edit/format.h"
-#include "tools/motion/edit/mirror.h"
+#include "tools/motion_edit/format.h"
+#include "tools/motion_edit/mirror.h"
 
 namespace koboshi::tools {
 namespace {

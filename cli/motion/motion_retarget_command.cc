@@ -14,7 +14,7 @@
 #include "cli/motion/find_motion_file.h"
 #include "simulation/motion_language/parse/parse.h"
 #include "simulation/scenario/paths.h"
-#include "tools/motion/check/check.h"
+#include "tools/motion_check/check.h"
 #include "tools/motion_files/convert.h"
 #include "tools/motion_files/flatten.h"
 #include "tools/motion_files/retarget.h"

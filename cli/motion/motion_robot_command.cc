@@ -26,9 +26,9 @@
 #include "simulation/model/robot_model.h"
 #include "simulation/motion_language/compile/compile.h"
 #include "simulation/scenario/paths.h"
-#include "tools/motion/check/check.h"
-#include "tools/motion/remote/robot_motions.h"
-#include "tools/motion/stage/stage.h"
+#include "tools/motion_check/check.h"
+#include "tools/motion_remote/robot_motions.h"
+#include "tools/motion_stage/stage.h"
 
 namespace koboshi::tools {
 namespace {

@@ -9,9 +9,9 @@
 #include "cli/commands.h"
 #include "cli/motion/find_motion_file.h"
 #include "simulation/scenario/paths.h"
-#include "tools/motion/check/check.h"
-#include "tools/motion/view/plot.h"
-#include "tools/motion/view/preview.h"
+#include "tools/motion_check/check.h"
+#include "tools/motion_view/plot.h"
+#include "tools/motion_view/preview.h"
 #include "view/film/film.h"
 
 namespace koboshi::tools {

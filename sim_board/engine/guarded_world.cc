@@ -21,7 +21,7 @@ constexpr double kForget = 0.9;
 // Returns the lowest stiffness in N/m that a contact point between a link and the ground can have.
 double softest_spring_N_per_m(const RobotDescription& robot, const WorldOptions& options) {
   double softest = std::numeric_limits<double>::infinity();
-  const auto meet_all = [&](const SurfaceDescription& ground) {
+  const auto compare_with = [&](const SurfaceDescription& ground) {
     for (const LinkDescription& link : robot.links) {
       for (const BoxDescription& box : link.collisions) {
         const Softness soft =
@@ -30,10 +30,10 @@ double softest_spring_N_per_m(const RobotDescription& robot, const WorldOptions&
       }
     }
   };
-  meet_all(options.ground.surface);
-  for (const FrictionPatch& patch : options.ground.patches) meet_all(patch.surface);
-  for (const GroundBox& box : options.ground.boxes) meet_all(box.surface);
-  for (const HeightField& field : options.ground.height_fields) meet_all(field.surface);
+  compare_with(options.ground.surface);
+  for (const FrictionPatch& patch : options.ground.patches) compare_with(patch.surface);
+  for (const GroundBox& box : options.ground.boxes) compare_with(box.surface);
+  for (const HeightField& field : options.ground.height_fields) compare_with(field.surface);
   return softest;
 }
 

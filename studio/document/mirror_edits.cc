@@ -1,4 +1,4 @@
-#include "tools/motion/edit/mirror.h"
+#include "tools/motion_edit/mirror.h"
 
 #include <algorithm>
 #include <map>

@@ -8,7 +8,7 @@
 #include "base/text/text.h"
 #include "simulation/motion_language/parse/parse.h"
 #include "studio/document/edit_support.h"
-#include "tools/motion/edit/format.h"
+#include "tools/motion_edit/format.h"
 
 namespace koboshi::studio {
 namespace {

@@ -14,7 +14,7 @@
 
 #include "studio/model/body_tree.h"
 #include "studio/model/field_view.h"
-#include "studio/motion/offer_bar.h"
+#include "studio/motion_editor/offer_bar.h"
 #include "studio/widgets/colours.h"
 
 namespace koboshi::studio {

@@ -16,7 +16,7 @@
 #include "sim_board/can/candump_line.h"
 #include "sim_board/description/load.h"
 #include "simulation/scenario/operator_pc.h"
-#include "tools/motion/view/placement.h"
+#include "tools/motion_view/placement.h"
 #include "view/capture/scene.h"
 
 namespace koboshi::studio {

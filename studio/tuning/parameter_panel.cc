@@ -15,7 +15,7 @@
 #include <QVBoxLayout>
 #include <algorithm>
 
-#include "studio/motion/offer_bar.h"
+#include "studio/motion_editor/offer_bar.h"
 #include "studio/tuning/parameter_row.h"
 
 namespace koboshi::studio {

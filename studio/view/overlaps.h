@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "sim_board/description/description.h"
-#include "tools/motion/check/body.h"
-#include "tools/motion/check/collision.h"
+#include "tools/motion_check/body.h"
+#include "tools/motion_check/collision.h"
 #include "view/recording/recording.h"
 #include "view/render/marks.h"
 

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "studio/model/model_panel.h"
-#include "studio/motion/motion_panel.h"
+#include "studio/motion_editor/motion_panel.h"
 #include "studio/tuning/parameter_panel.h"
 #include "studio/window/panels.h"
 #include "studio/window/tuning_panels.h"

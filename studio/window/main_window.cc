@@ -22,7 +22,7 @@
 #include "studio/controls/operator_panel.h"
 #include "studio/controls/transport_bar.h"
 #include "studio/model/model_panel.h"
-#include "studio/motion/motion_panel.h"
+#include "studio/motion_editor/motion_panel.h"
 #include "studio/widgets/command_search.h"
 #include "studio/widgets/keyboard.h"
 #include "studio/widgets/message_bar.h"

@@ -15,7 +15,7 @@
 #include "sim_board/board/sim_board.h"
 #include "studio/controls/operator_panel.h"
 #include "studio/controls/transport_bar.h"
-#include "studio/motion/motion_panel.h"
+#include "studio/motion_editor/motion_panel.h"
 #include "studio/widgets/command_search.h"
 #include "studio/widgets/theme.h"
 #include "studio/window/documents.h"

@@ -10,12 +10,12 @@
 #include "base/file/output_file.h"
 #include "studio/controls/operator_commands.h"
 #include "studio/controls/run_controller.h"
-#include "studio/motion/motion_panel.h"
+#include "studio/motion_editor/motion_panel.h"
 #include "studio/widgets/message_bar.h"
 #include "studio/window/motion_upload.h"
-#include "tools/motion/check/check.h"
-#include "tools/motion/stage/stage.h"
-#include "tools/motion/view/preview.h"
+#include "tools/motion_check/check.h"
+#include "tools/motion_stage/stage.h"
+#include "tools/motion_view/preview.h"
 
 namespace koboshi::studio {
 

@@ -9,7 +9,7 @@
 #include "sim_board/description/load.h"
 #include "simulation/model/robot_model.h"
 #include "simulation/motion_language/compile/compile.h"
-#include "tools/motion/remote/robot_motions.h"
+#include "tools/motion_remote/robot_motions.h"
 
 namespace koboshi::studio {
 

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "studio/document/neighbours.h"
-#include "studio/motion/motion_panel.h"
+#include "studio/motion_editor/motion_panel.h"
 #include "view/render/overlay.h"
 
 namespace koboshi::studio {

@@ -14,7 +14,7 @@
 #include "studio/controls/operator_panel.h"
 #include "studio/controls/run_controller.h"
 #include "studio/model/model_panel.h"
-#include "studio/motion/motion_panel.h"
+#include "studio/motion_editor/motion_panel.h"
 #include "studio/panels/can_panel.h"
 #include "studio/panels/event_panel.h"
 #include "studio/panels/log_panel.h"

@@ -11,7 +11,7 @@
 #include "base/text/user_units.h"
 #include "simulation/motion_language/parse/joints.h"
 #include "studio/controls/run_controller.h"
-#include "studio/motion/motion_panel.h"
+#include "studio/motion_editor/motion_panel.h"
 #include "view/render/marks.h"
 #include "view/render/playback.h"
 

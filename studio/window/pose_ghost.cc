@@ -7,7 +7,7 @@
 #include "sim_board/description/hinge_tree.h"
 #include "sim_board/world/ground.h"
 #include "studio/view/link_marks.h"
-#include "tools/motion/view/placement.h"
+#include "tools/motion_view/placement.h"
 #include "view/capture/scene.h"
 
 namespace koboshi::studio {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tests/support/temporary_folder.h"
-#include "tools/motion/check/check.h"
+#include "tools/motion_check/check.h"
 
 // The compiler and the check with the default robot. An editor checks after each edit, and wants an answer
 // within 50 ms.

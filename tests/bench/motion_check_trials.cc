@@ -16,7 +16,7 @@
 
 #include "tests/support/motion_trial.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/motion/check/check.h"
+#include "tools/motion_check/check.h"
 
 namespace koboshi {
 namespace {

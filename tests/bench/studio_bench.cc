@@ -9,8 +9,8 @@
 #include <fstream>
 #include <functional>
 
-#include "studio/motion/joint_panel.h"
-#include "studio/motion/motion_panel.h"
+#include "studio/motion_editor/joint_panel.h"
+#include "studio/motion_editor/motion_panel.h"
 #include "studio/plot/plot_panel.h"
 #include "tests/studio/window/view_fixture.h"
 #include "tests/support/large_motion.h"

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "tools/motion/check/check.h"
+#include "tools/motion_check/check.h"
 
 namespace koboshi::test {
 

@@ -146,12 +146,12 @@ void Collider::make_ground_pairs(std::size_t number) {
   const Box& box = boxes_[number];
   const GroundDescription& ground = options_.ground;
   if (plane_) {
-    const std::size_t meeting = meet_ground(box, ground.surface, Eigen::Matrix3d::Identity());
-    for (const FrictionPatch& patch : ground.patches) meet_ground(box, patch.surface, patch.X_WP.linear());
+    const std::size_t meeting = collide_with_ground(box, ground.surface, Eigen::Matrix3d::Identity());
+    for (const FrictionPatch& patch : ground.patches) collide_with_ground(box, patch.surface, patch.X_WP.linear());
     pairs_.push_back({box.geom.get(), plane_.get(), number, kGround, {}, meeting, true});
   }
   for (std::size_t i = 0; i < ground_boxes_.size(); ++i) {
-    const std::size_t meeting = meet_ground(box, ground.boxes[i].surface, ground.boxes[i].X_WG.linear());
+    const std::size_t meeting = collide_with_ground(box, ground.boxes[i].surface, ground.boxes[i].X_WG.linear());
     pairs_.push_back({box.geom.get(), ground_boxes_[i].get(), number, kGround,
                       bounds_of(ground_boxes_[i].get()), meeting, false});
   }
@@ -162,11 +162,11 @@ void Collider::make_fields() {
   for (const Box& box : boxes_) largest_half_m = largest_half_m.cwiseMax(box.half_m);
   for (const HeightField& field : options_.ground.height_fields) {
     fields_.push_back({HeightFieldContact(field, largest_half_m), meetings_.size()});
-    for (const Box& box : boxes_) meet_ground(box, field.surface, field.X_WF.linear());
+    for (const Box& box : boxes_) collide_with_ground(box, field.surface, field.X_WF.linear());
   }
 }
 
-std::size_t Collider::meet_ground(const Box& box, const SurfaceDescription& ground,
+std::size_t Collider::collide_with_ground(const Box& box, const SurfaceDescription& ground,
                                   const Eigen::Matrix3d& R_W) {
   Meeting meeting;
   meeting.contact = contact_between(box.surface, ground, options_.step_s, options_.material_pairs);

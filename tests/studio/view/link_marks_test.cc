@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim_board/description/load.h"
-#include "tools/motion/view/placement.h"
+#include "tools/motion_view/placement.h"
 #include "view/capture/scene.h"
 
 namespace koboshi::studio {

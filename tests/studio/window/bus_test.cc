@@ -16,7 +16,7 @@
 
 #include "sim_board/can/transport/transport.h"
 #include "studio/controls/operator_commands.h"
-#include "studio/motion/motion_panel.h"
+#include "studio/motion_editor/motion_panel.h"
 #include "studio/panels/can_panel.h"
 #include "studio/panels/object_panel.h"
 #include "studio/widgets/message_bar.h"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "studio/controls/transport_bar.h"
-#include "studio/motion/joint_panel.h"
+#include "studio/motion_editor/joint_panel.h"
 #include "studio/plot/plot_widget.h"
 #include "studio/widgets/command_search.h"
 #include "tests/studio/window/view_fixture.h"

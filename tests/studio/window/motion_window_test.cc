@@ -12,9 +12,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "studio/motion/joint_panel.h"
-#include "studio/motion/motion_panel.h"
-#include "studio/motion/step_model.h"
+#include "studio/motion_editor/joint_panel.h"
+#include "studio/motion_editor/motion_panel.h"
+#include "studio/motion_editor/step_model.h"
 #include "studio/widgets/message_bar.h"
 #include "tests/studio/window/view_fixture.h"
 

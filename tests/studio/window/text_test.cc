@@ -25,7 +25,7 @@
 #include <functional>
 #include <utility>
 
-#include "studio/motion/motion_panel.h"
+#include "studio/motion_editor/motion_panel.h"
 #include "studio/plot/plot_widget.h"
 #include "studio/widgets/theme.h"
 #include "tests/studio/window/painted_text.h"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "studio/motion/motion_panel.h"
+#include "studio/motion_editor/motion_panel.h"
 #include "tests/studio/window/window_fixture.h"
 #include "view/render/camera.h"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "studio/motion/joint_panel.h"
+#include "studio/motion_editor/joint_panel.h"
 #include "studio/soles/sole_panel.h"
 #include "tests/studio/window/view_fixture.h"
 #include "tests/support/qt_tests.h"

@@ -27,8 +27,8 @@
 #include <vector>
 
 #include "studio/document/recovery.h"
-#include "studio/motion/motion_panel.h"
-#include "studio/motion/offer_bar.h"
+#include "studio/motion_editor/motion_panel.h"
+#include "studio/motion_editor/offer_bar.h"
 #include "studio/panels/log_panel.h"
 #include "studio/panels/object_panel.h"
 #include "studio/widgets/command_search.h"

@@ -56,9 +56,9 @@ class Aligner {
         !is_along(anchors_.axes[pitch], 1))
       return;
     // A hinge fixes the two coordinates across it.
-    const std::optional<double> x = meet(yaw, pitch, 0);
-    const std::optional<double> y = meet(yaw, roll, 1);
-    const std::optional<double> z = meet(roll, pitch, 2);
+    const std::optional<double> x = crossing_of(yaw, pitch, 0);
+    const std::optional<double> y = crossing_of(yaw, roll, 1);
+    const std::optional<double> z = crossing_of(roll, pitch, 2);
     if (x && y && z) slide_to({*x, *y, *z}, {yaw, roll, pitch});
     const double leg_y = point(yaw).y();
     for (const std::size_t joint : {knee, ankle_pitch})
@@ -80,7 +80,7 @@ class Aligner {
     const auto roll = find(side + "shoulder_roll");
     if (!pitch || !roll || !is_along(anchors_.axes[*pitch], 1) || !is_along(anchors_.axes[*roll], 0)) return;
     if (std::abs(point(*pitch).z() - point(*roll).z()) > max_miss_m_) return;
-    const double z = *meet(*pitch, *roll, 2);
+    const double z = *crossing_of(*pitch, *roll, 2);
     slide_to({point(*pitch).x(), point(*roll).y(), z}, {*pitch, *roll});
   }
 
@@ -140,7 +140,7 @@ class Aligner {
   }
 
   // The coordinate in which two hinges meet, midway between them; nothing if they miss by too much.
-  std::optional<double> meet(std::size_t one, std::size_t other, int index) {
+  std::optional<double> crossing_of(std::size_t one, std::size_t other, int index) {
     const double miss_m = point(other)[index] - point(one)[index];
     if (std::abs(miss_m) > max_miss_m_) {
       warn_miss(anchors_.names[one], anchors_.names[other], miss_m, index);

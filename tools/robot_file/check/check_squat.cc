@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "tools/motion/check/body.h"
-#include "tools/motion/check/servo_curve.h"
+#include "tools/motion_check/body.h"
+#include "tools/motion_check/servo_curve.h"
 #include "tools/robot_file/check/checked_model.h"
 
 namespace koboshi::tools {
