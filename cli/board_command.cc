@@ -15,7 +15,7 @@
 #include "simulation/scenario/reader.h"
 #include "view/capture/run_recording.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct BoardArguments {
@@ -23,16 +23,16 @@ struct BoardArguments {
   std::vector<std::string> sets;
   std::string robot;
   std::string duration;
-  LiveOptions live;
+  tools::LiveOptions live;
   ViewOptions view;
 };
 
 void play_board(const BoardArguments& arguments) {
   const auto overrides = overrides_of(arguments.sets, {{"duration_s", arguments.duration, "--duration"},
                                                        simulation::robot_override(arguments.robot)});
-  LiveOptions live_options = arguments.live;
+  tools::LiveOptions live_options = arguments.live;
   const auto view = open_view(arguments.view, live_options);
-  LiveLink live(live_options, warn);
+  tools::LiveLink live(live_options, warn);
   simulation::BoardWithoutController bare(simulation::read_scenario(
       simulation::find_input(simulation::InputKind::kScenario, arguments.scenario), overrides));
   sim_board::SimBoard& board = bare.board();
@@ -41,7 +41,7 @@ void play_board(const BoardArguments& arguments) {
     view->set_keys({.refusal = "A board without controller takes no keys."});
     recording.emplace(bare, *view);
     board.electronics().bus().set_observer(&*recording);
-    view->start(view::recording_head(bare), make_network(bare.robot()));
+    view->start(view::recording_head(bare), bus::make_network(bare.robot()));
   }
   live.attach(board.electronics().bus());
   print_bus_address(live);
@@ -93,4 +93,4 @@ Examples:
   command->callback([arguments] { play_board(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 
 // A call of the program. Callbacks of commands read the command line and set the exit status.
 struct Invocation {
@@ -72,4 +72,4 @@ AddCommand add_motion_import_command;
 AddCommand add_motion_retarget_command;
 AddCommand add_motion_robot_commands;  // upload, download, play
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

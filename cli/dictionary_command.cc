@@ -14,7 +14,7 @@
 #include "simulation/scenario/paths.h"
 #include "simulation/scenario/reader.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct DictionaryArguments {
@@ -23,20 +23,20 @@ struct DictionaryArguments {
   std::string kind;
 };
 
-std::vector<GeneratedFile> files(const DictionaryArguments& arguments) {
+std::vector<bus::GeneratedFile> files(const DictionaryArguments& arguments) {
   const auto robot = simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
-  return dictionary_files(sim_board::load_robot(robot),
+  return bus::dictionary_files(sim_board::load_robot(robot),
                           simulation::controller_values(simulation::read_robot_parameters(robot)));
 }
 
 void print_file(const DictionaryArguments& arguments, const std::string& name) {
-  for (const GeneratedFile& file : files(arguments)) {
+  for (const bus::GeneratedFile& file : files(arguments)) {
     if (file.name == name) fmt::print("{}", file.text);
   }
 }
 
 void write_files(const DictionaryArguments& arguments) {
-  for (const GeneratedFile& file : files(arguments)) {
+  for (const bus::GeneratedFile& file : files(arguments)) {
     write_whole_file(arguments.folder / file.name, file.text);
     fmt::print("{}\n", (arguments.folder / file.name).string());
   }
@@ -80,4 +80,4 @@ A test fails while docs/reference/ is out of date.
   write->callback([arguments] { write_files(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -7,7 +7,7 @@
 
 #include "tools/diff/report.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct DiffArguments {
@@ -31,10 +31,10 @@ Example:
   command->add_option("RUN_A", arguments->a, "The folder of a run's results")->required();
   command->add_option("RUN_B", arguments->b, "The folder of another run's results")->required();
   command->callback([arguments, &invocation] {
-    const RunComparison comparison = compare_runs(arguments->a, arguments->b);
+    const tools::RunComparison comparison = tools::compare_runs(arguments->a, arguments->b);
     fmt::print("{}", comparison.report);
     invocation.exit_status = comparison.same ? 0 : 1;
   });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -18,7 +18,7 @@
 #include "tools/run/interrupt.h"
 #include "tools/run/pacer.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct FirmwareArguments {
@@ -37,12 +37,12 @@ void run_firmware(const FirmwareArguments& arguments) {
   warn_of_left_out(scenario);
   const simulation::PreparedScenario prepared = simulation::prepare(scenario);
   const auto transport = open_can(arguments.can);
-  Interrupt interrupt;
+  tools::Interrupt interrupt;
   simulation::FirmwareProcess firmware(prepared.storage_contents, *transport, arguments.storage);
   fmt::print("firmware on {}\n", transport->place());
   std::fflush(stdout);
   const auto end_us = static_cast<std::uint64_t>(1e6 * arguments.duration_s);
-  Pacer pacer(0, arguments.speed, interruptible(interrupt));
+  tools::Pacer pacer(0, arguments.speed, tools::interruptible(interrupt));
   bool warned = false;
   for (std::uint64_t now_us = 0; now_us < end_us; now_us += sim_board::SimBoard::kService_us) {
     pacer.wait_for(now_us);
@@ -93,4 +93,4 @@ Examples:
   command->callback([arguments] { run_firmware(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -16,7 +16,7 @@
 #include "tools/gait/gait_figure.h"
 #include "tools/plot/figure.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct GaitArguments {
@@ -39,7 +39,7 @@ void make_gait(const GaitArguments& arguments) {
 
   const std::filesystem::path prefix = arguments.out.empty() ? std::filesystem::path("walk") : arguments.out;
   write_whole_file(prefix.string() + ".yaml", simulation::gait_motion_text(motion, model));
-  draw_gait(gait, robot, model, prefix);
+  tools::draw_gait(gait, robot, model, prefix);
   const simulation::GaitPlan plan(gait);
   fmt::print(
       "{0}.yaml: {1} poses, {2:.2f} s to start, {3:.3f} s and {4:.0f} mm per cycle, {5:.3f} m/s planned\n"
@@ -77,4 +77,4 @@ Examples:
   command->callback([arguments] { make_gait(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -9,7 +9,7 @@
 #include "base/text/text.h"
 #include "base/text/units.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 // By an option's first name.
@@ -125,4 +125,4 @@ std::optional<std::string> unknown_command(CLI::App& program, int argc, const ch
   return std::nullopt;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 
 // Gives every option of the program and its commands a placeholder that says what its value is (FILE, FOLDER,
 // SECONDS, N, ...) in place of the C++ type that CLI11 shows, and ranges without their type: "N:1 to 64".
@@ -15,4 +15,4 @@ void name_placeholders(CLI::App& program);
 // commands are right.
 std::optional<std::string> unknown_command(CLI::App& program, int argc, const char* const* argv);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -34,14 +34,14 @@ std::string command_line(int argc, char** argv) {
 }
 
 int run_program(int argc, char** argv) {
-  koboshi::tools::Invocation invocation{command_line(argc, argv), {argv + 1, argv + argc}};
+  koboshi::cli::Invocation invocation{command_line(argc, argv), {argv + 1, argv + argc}};
   CLI::App program("The firmware of a small humanoid robot, and the simulated board it runs on.", "koboshi");
   program.set_version_flag("--version", "koboshi " KOBOSHI_VERSION);
   program.require_subcommand(1);
   program.footer(kFooter);
-  for (koboshi::tools::AddCommand* add_command : koboshi::tools::kCommands) add_command(program, invocation);
-  koboshi::tools::name_placeholders(program);
-  if (const auto message = koboshi::tools::unknown_command(program, argc, argv)) {
+  for (koboshi::cli::AddCommand* add_command : koboshi::tools::kCommands) add_command(program, invocation);
+  koboshi::cli::name_placeholders(program);
+  if (const auto message = koboshi::cli::unknown_command(program, argc, argv)) {
     koboshi::print_error("{}\n", *message);
     return koboshi::tools::kBadInput;
   }

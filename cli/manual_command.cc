@@ -19,7 +19,7 @@
 #include "tools/manual/page.h"
 #include "tools/manual/studio_options.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct ManualArguments {
@@ -31,19 +31,19 @@ struct ManualArguments {
 // The studio is a program of its own, whose options `koboshi studio` passes on.
 struct StudioProgram {
   StudioProgram() : app(kStudioDescription, "koboshi-studio") {
-    add_studio_options(app, arguments);
+    tools::add_studio_options(app, arguments);
     name_placeholders(app);
   }
   StudioProgram(const StudioProgram&) = delete;
   StudioProgram& operator=(const StudioProgram&) = delete;
 
-  StudioArguments arguments;
+  tools::StudioArguments arguments;
   CLI::App app;
 };
 
 // The date of the sources (reproducible-builds.org), so that the same sources give the same pages.
-PageContext page_context() {
-  PageContext context{.version = KOBOSHI_VERSION, .date = {}};
+tools::PageContext page_context() {
+  tools::PageContext context{.version = KOBOSHI_VERSION, .date = {}};
   const char* const epoch = std::getenv("SOURCE_DATE_EPOCH");
   if (epoch == nullptr) return context;
   const auto seconds = parse_integer(epoch);
@@ -53,8 +53,8 @@ PageContext page_context() {
   return context;
 }
 
-std::vector<Command> documented_commands(const CLI::App& program, const CLI::App& studio) {
-  std::vector<Command> commands = all_commands(program, {"koboshi"});
+std::vector<tools::Command> documented_commands(const CLI::App& program, const CLI::App& studio) {
+  std::vector<tools::Command> commands = tools::all_commands(program, {"koboshi"});
   commands.push_back({&studio, {"koboshi-studio"}});
   return commands;
 }
@@ -62,13 +62,13 @@ std::vector<Command> documented_commands(const CLI::App& program, const CLI::App
 void print_page(const CLI::App& program, const ManualArguments& arguments) {
   std::vector<std::string> words{"koboshi"};
   words.insert(words.end(), arguments.words.begin(), arguments.words.end());
-  const std::vector<Command> commands = all_commands(program, {"koboshi"});
-  const auto command = std::ranges::find(commands, words, &Command::words);
+  const std::vector<tools::Command> commands = tools::all_commands(program, {"koboshi"});
+  const auto command = std::ranges::find(commands, words, &tools::Command::words);
   if (command == commands.end()) {
     const std::string name = fmt::format("{}", fmt::join(arguments.words, " "));
     throw InputError("COMMAND", 0, one_line(name), "a command of koboshi, such as run or can dump");
   }
-  fmt::print("{}", manual_page(*command, page_context()));
+  fmt::print("{}", tools::manual_page(*command, page_context()));
 }
 
 void write_manual(const CLI::App& program, const std::filesystem::path& folder) {
@@ -77,12 +77,12 @@ void write_manual(const CLI::App& program, const std::filesystem::path& folder) 
   const auto completions = folder / "bash-completion/completions";
   std::filesystem::create_directories(pages);
   std::filesystem::create_directories(completions);
-  const PageContext context = page_context();
-  for (const Command& command : documented_commands(program, studio.app)) {
+  const tools::PageContext context = page_context();
+  for (const tools::Command& command : documented_commands(program, studio.app)) {
     if (command.joined(" ") == "koboshi studio") continue;  // koboshi-studio.1 is the program's own
-    write_whole_file(pages / (command.joined("-") + ".1"), manual_page(command, context));
+    write_whole_file(pages / (command.joined("-") + ".1"), tools::manual_page(command, context));
   }
-  write_whole_file(completions / "koboshi", bash_completion(program));
+  write_whole_file(completions / "koboshi", tools::bash_completion(program));
   fmt::print("manual pages and completion in {}\n", folder.string());
 }
 
@@ -118,7 +118,7 @@ Examples:
   page->add_option("COMMAND", arguments->words, "The command: can dump (default: koboshi itself)");
   page->callback([arguments, &program] { print_page(program, *arguments); });
   CLI::App* completion = manual->add_subcommand("completion", "Print the completion for bash");
-  completion->callback([&program] { fmt::print("{}", bash_completion(program)); });
+  completion->callback([&program] { fmt::print("{}", tools::bash_completion(program)); });
   CLI::App* names = manual->add_subcommand("names", "Print the names that stand for files: koboshi run walk");
   names->add_option("KIND", arguments->kind, "scenario, robot, motion (of the robot Koboshi) or study")
       ->required()
@@ -131,4 +131,4 @@ Examples:
   write->callback([arguments, &program] { write_manual(program, arguments->folder); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

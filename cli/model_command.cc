@@ -16,7 +16,7 @@
 #include "tools/robot_file/check/model_check.h"
 #include "tools/robot_file/reference/reference.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct ModelCheckArguments {
@@ -29,12 +29,12 @@ struct ModelReferenceArguments {
 };
 
 void print_reference(const std::string& name) {
-  for (const RobotReferenceFile& file : robot_reference_files())
+  for (const tools::RobotReferenceFile& file : tools::robot_reference_files())
     if (file.name == name) fmt::print("{}", file.text);
 }
 
 void write_reference(const std::filesystem::path& folder) {
-  for (const RobotReferenceFile& file : robot_reference_files()) {
+  for (const tools::RobotReferenceFile& file : tools::robot_reference_files()) {
     write_whole_file(folder / file.name, file.text);
     fmt::print("{}\n", (folder / file.name).string());
   }
@@ -73,13 +73,13 @@ int check_models(const ModelCheckArguments& arguments) {
   const bool is_list = arguments.robots.size() > 1;
   for (const std::filesystem::path& robot : arguments.robots) {
     try {
-      const ModelReport report = check_model(simulation::find_input(simulation::InputKind::kRobot, robot));
+      const tools::ModelReport report = tools::check_model(simulation::find_input(simulation::InputKind::kRobot, robot));
       if (report.has_errors()) status = std::max(status, 1);
       if (arguments.json) {
-        documents.push_back(model_report_json(report));
+        documents.push_back(tools::model_report_json(report));
       } else {
         if (is_list) fmt::print("{}{}:\n", documents.empty() ? "" : "\n", report.file.string());
-        documents.push_back(model_report_text(report));
+        documents.push_back(tools::model_report_text(report));
         fmt::print("{}", documents.back());
       }
     } catch (const InputError& error) {
@@ -135,4 +135,4 @@ void add_model_command(CLI::App& program, Invocation& invocation) {
   add_reference(*model);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -16,7 +16,7 @@
 #include "sim_board/description/edit/robot_text.h"
 #include "simulation/scenario/paths.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct ModelEditArguments {
@@ -143,4 +143,4 @@ Examples:
   });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -8,7 +8,7 @@
 #include "simulation/scenario/paths.h"
 #include "tools/robot_file/urdf/export_urdf.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct ModelExportArguments {
@@ -19,7 +19,7 @@ struct ModelExportArguments {
 
 void export_model(const ModelExportArguments& arguments) {
   const std::filesystem::path robot = simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
-  for (const std::filesystem::path& file : export_urdf(robot, arguments.urdf, arguments.package))
+  for (const std::filesystem::path& file : tools::export_urdf(robot, arguments.urdf, arguments.package))
     fmt::print("{}\n", file.string());
 }
 
@@ -46,4 +46,4 @@ Example:
   command->callback([arguments] { export_model(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

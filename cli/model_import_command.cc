@@ -20,7 +20,7 @@
 #include "tools/robot_file/map/joint_pictures.h"
 #include "view/render/gl.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct ModelImportArguments {
@@ -32,7 +32,7 @@ struct ModelImportArguments {
 };
 
 // Splits TYPE:JOINT,JOINT into decisions.
-void add_servo(const std::string& argument, ImportDecisions& decisions) {
+void add_servo(const std::string& argument, tools::ImportDecisions& decisions) {
   const std::size_t colon = argument.find(':');
   if (colon == std::string::npos) {
     decisions.answers["servo"] = argument;
@@ -46,7 +46,7 @@ void add_servo(const std::string& argument, ImportDecisions& decisions) {
   }
 }
 
-std::string ask_person(const ImportQuestion& question) {
+std::string ask_person(const tools::ImportQuestion& question) {
   std::string choices;
   if (!question.choices.empty()) choices = " (" + join_alternatives(question.choices) + ")";
   fmt::print("{}{}\n{} [{}]: ", question.text, choices, question.name, question.preset);
@@ -56,18 +56,18 @@ std::string ask_person(const ImportQuestion& question) {
   return std::string(trimmed_name(line));
 }
 
-ImportOptions options_of(const ModelImportArguments& arguments, const Invocation& invocation) {
-  ImportOptions options{.file = arguments.file,
+tools::ImportOptions options_of(const ModelImportArguments& arguments, const Invocation& invocation) {
+  tools::ImportOptions options{.file = arguments.file,
                         .paths = arguments.paths,
                         .servo_folder = simulation::data_folder() / "robots/servos",
                         .decisions_source = arguments.output / "import.yaml",
                         .output = arguments.output,
                         .command = invocation.command_line};
   if (std::filesystem::exists(options.decisions_source))
-    options.decisions = read_decisions(options.decisions_source);
+    options.decisions = tools::read_decisions(options.decisions_source);
   if (!arguments.answers.empty()) {
     options.decisions_source = arguments.answers;
-    override_decisions(options.decisions, read_decisions(arguments.answers));
+    tools::override_decisions(options.decisions, tools::read_decisions(arguments.answers));
   }
   for (const std::string& servo : arguments.servos) add_servo(servo, options.decisions);
   if (isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0) options.ask = ask_person;
@@ -78,8 +78,8 @@ ImportOptions options_of(const ModelImportArguments& arguments, const Invocation
 void add_pictures(const std::filesystem::path& folder, std::string page) {
   try {
     const sim_board::RobotDescription robot = sim_board::load_robot(folder / "robot.sdf");
-    draw_robot(robot, RobotShapes::kVisuals, folder / "robot.png");
-    draw_robot(robot, RobotShapes::kCollisions, folder / "boxes.png");
+    tools::draw_robot(robot, tools::RobotShapes::kVisuals, folder / "robot.png");
+    tools::draw_robot(robot, tools::RobotShapes::kCollisions, folder / "boxes.png");
   } catch (const view::GlError& error) {
     print_error("warning: import.md without pictures: {}\n", error.what());
     return;
@@ -92,12 +92,12 @@ void add_pictures(const std::filesystem::path& folder, std::string page) {
 }
 
 void import_model(const ModelImportArguments& arguments, const Invocation& invocation) {
-  check_import_folder(arguments.output);
-  const ImportResult result = import_robot(options_of(arguments, invocation));
-  write_import_folder(arguments.output, result.files);
+  tools::check_import_folder(arguments.output);
+  const tools::ImportResult result = tools::import_robot(options_of(arguments, invocation));
+  tools::write_import_folder(arguments.output, result.files);
   add_pictures(arguments.output, result.files.at("import.md"));
-  const ImportReport& report = result.report;
-  for (const ImportRepair& repair : report.repairs)
+  const tools::ImportReport& report = result.report;
+  for (const tools::ImportRepair& repair : report.repairs)
     fmt::print("{}: {} -> {}, because {}\n", repair.key, repair.found, repair.is_kept ? "kept" : repair.taken,
                repair.because);
   std::fflush(stdout);  // before what follows on standard error
@@ -137,4 +137,4 @@ Example:
   command->callback([arguments, &invocation] { import_model(*arguments, invocation); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

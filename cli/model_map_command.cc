@@ -12,7 +12,7 @@
 #include "tools/robot_file/map/joint_pictures.h"
 #include "tools/robot_file/map/role_map.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct ModelMapArguments {
@@ -25,17 +25,17 @@ struct ModelMapArguments {
 void map_model(const ModelMapArguments& arguments) {
   const std::filesystem::path file = simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
   const sim_board::RobotDescription robot = sim_board::load_robot(file);
-  RoleMap map = propose_roles(robot);
-  for (const std::string& correction : arguments.corrections) correct_role(robot, correction, map);
-  fmt::print("{}", role_map_text(robot, map));
+  tools::RoleMap map = tools::propose_roles(robot);
+  for (const std::string& correction : arguments.corrections) tools::correct_role(robot, correction, map);
+  fmt::print("{}", tools::role_map_text(robot, map));
   if (arguments.write) {
     XmlDocument document(file);
     const std::string before = document.text();
-    sim_board::apply_settings(document, role_settings(robot, map), sim_board::Sides::kOne);
+    sim_board::apply_settings(document, tools::role_settings(robot, map), sim_board::Sides::kOne);
     if (document.text() != before) document.save();
   }
   if (arguments.pictures.empty()) return;
-  for (const std::filesystem::path& picture : draw_joint_pictures(robot, arguments.pictures))
+  for (const std::filesystem::path& picture : tools::draw_joint_pictures(robot, arguments.pictures))
     write_to_standard_error(picture.string() + "\n");
 }
 
@@ -63,4 +63,4 @@ Examples:
   map->callback([arguments] { map_model(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

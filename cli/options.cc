@@ -15,7 +15,7 @@
 #include "simulation/scenario/paths.h"
 #include "tools/run/transport_options.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 constexpr const char* kRobot = "robots/koboshi/robot.sdf";
@@ -27,11 +27,11 @@ const std::map<std::string, sim_board::CandumpReader::Times> kTimes{
 
 }  // namespace
 
-Network network_of(const std::filesystem::path& robot) {
+bus::Network network_of(const std::filesystem::path& robot) {
   const std::filesystem::path file = robot.empty()
                                          ? simulation::find_referenced({}, kRobot)
                                          : simulation::find_input(simulation::InputKind::kRobot, robot);
-  return file.empty() ? Network{} : make_network(sim_board::load_robot(file));
+  return file.empty() ? bus::Network{} : bus::make_network(sim_board::load_robot(file));
 }
 
 std::vector<Override> overrides_of(std::span<const std::string> sets, const std::vector<Override>& options) {
@@ -54,7 +54,7 @@ void add_can_options(CLI::App& command, CanOptions& options, CLI::Option* log) {
   CLI::Option* can = command.add_option(
       "--can", options.can,
       "The bus: socketcan:vcan0 (default) or udp:239.74.163.2:43113 (python-can's udp_multicast)");
-  const auto transport = add_transport_options(command, options.transport);
+  const auto transport = tools::add_transport_options(command, options.transport);
   if (log == nullptr) return;
   can->excludes(log);
   for (CLI::Option* option : transport) option->excludes(log);
@@ -68,19 +68,19 @@ std::unique_ptr<sim_board::Transport> open_can(const CanOptions& options) {
   return transport;
 }
 
-void add_sdo_options(CLI::App& command, SdoChannel& channel) {
+void add_sdo_options(CLI::App& command, bus::SdoChannel& channel) {
   CLI::Option* first = command.add_flag_callback(
-      "--first", [&channel] { channel = SdoChannel::kFirst; },
+      "--first", [&channel] { channel = bus::SdoChannel::kFirst; },
       "Use a drive's first SDO channel (0x1200), which is the controller's");
   command
       .add_flag_callback(
-          "--second", [&channel] { channel = SdoChannel::kSecond; },
+          "--second", [&channel] { channel = bus::SdoChannel::kSecond; },
           "Use a drive's second SDO channel (0x1201) only (default: the second; the first if there is no "
           "answer)")
       ->excludes(first);
 }
 
-CLI::Option* add_log_options(CLI::App& command, LogChoice& log, const std::string& help) {
+CLI::Option* add_log_options(CLI::App& command, bus::LogChoice& log, const std::string& help) {
   CLI::Option* place = command.add_option("LOG", log.place, help);
   command
       .add_option("--bus", log.interface,
@@ -99,32 +99,32 @@ CLI::Option* add_log_options(CLI::App& command, LogChoice& log, const std::strin
   return place;
 }
 
-OpenedSource open_source(const LogChoice& log, const CanOptions& options, Interrupt& interrupt) {
-  const WaitForInput wait = [&interrupt](int descriptor, std::uint64_t timeout_us) {
+OpenedSource open_source(const bus::LogChoice& log, const CanOptions& options, tools::Interrupt& interrupt) {
+  const bus::WaitForInput wait = [&interrupt](int descriptor, std::uint64_t timeout_us) {
     std::fflush(stdout);
     return interrupt.wait_for_input(descriptor, timeout_us);
   };
-  if (!log.place.empty()) return {nullptr, open_log(log, wait)};
+  if (!log.place.empty()) return {nullptr, bus::open_log(log, wait)};
   CanOptions listening = options;
   listening.transport.real_bus = true;  // what only listens moves no servo
   auto transport = open_can(listening);
-  auto source = listen_to(*transport, wait);
+  auto source = bus::listen_to(*transport, wait);
   return {std::move(transport), std::move(source)};
 }
 
-void print_remarks(FrameSource& source) {
+void print_remarks(bus::FrameSource& source) {
   const std::vector<std::string> remarks = source.take_remarks();
   if (!remarks.empty()) std::fflush(stdout);
   for (const std::string& remark : remarks) warn(remark);
 }
 
 std::uint8_t parse_node(const std::string& text) {
-  const auto node = static_cast<std::uint8_t>(parse_number(text, "the node", canopen::kMaxNodeId));
+  const auto node = static_cast<std::uint8_t>(bus::parse_number(text, "the node", canopen::kMaxNodeId));
   if (node == 0) throw std::invalid_argument("found node 0, expected 1 to 127");
   return node;
 }
 
-void add_live_options(CLI::App& command, LiveOptions& options) {
+void add_live_options(CLI::App& command, tools::LiveOptions& options) {
   command.add_option("--can", options.can,
                      "Connect the simulated bus to: none (default), socketcan:vcan0,\n"
                      "udp:239.74.163.2:43113 (python-can's udp_multicast), slcan (on a pseudo-terminal),\n"
@@ -135,7 +135,7 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
       .add_option("--speed", options.speed,
                   "Simulated seconds per second of real time (default: 1); less on a slow machine")
       ->check(CLI::Range(0.01, 100.0));
-  static_cast<void>(add_transport_options(command, options.transport));
+  static_cast<void>(tools::add_transport_options(command, options.transport));
 }
 
 void add_view_options(CLI::App& command, ViewOptions& options) {
@@ -147,7 +147,7 @@ void add_view_options(CLI::App& command, ViewOptions& options) {
       ->check(CLI::Range(1, 65535));
 }
 
-std::unique_ptr<view::LiveView> open_view(const ViewOptions& options, LiveOptions& live) {
+std::unique_ptr<view::LiveView> open_view(const ViewOptions& options, tools::LiveOptions& live) {
   if (!options.view) return nullptr;
   live.realtime = true;
   return std::make_unique<view::LiveView>(options.port);
@@ -159,7 +159,7 @@ void print_view_address(const view::LiveView* view) {
   std::fflush(stdout);
 }
 
-void print_bus_address(const LiveLink& link) {
+void print_bus_address(const tools::LiveLink& link) {
   if (link.transport() == nullptr) return;
   fmt::print("CAN bus on {}\n", link.transport()->place());
   std::fflush(stdout);
@@ -179,7 +179,7 @@ void warn_of_meshes(const view::Recording& recording) {
 void warn_of_overruns(std::uint64_t overruns, std::uint64_t largest_delay_us) {
   if (overruns == 0) return;
   print_error("koboshi: {} times more than {} ms behind the clock, {} ms at most\n", overruns,
-              Pacer::kTolerance_us / 1000, largest_delay_us / 1000);
+              tools::Pacer::kTolerance_us / 1000, largest_delay_us / 1000);
 }
 
 void warn_of_lost_frames(std::uint64_t frames) {
@@ -200,8 +200,8 @@ void warn_of_losses(const nlohmann::ordered_json& report) {
                 refused + dropped, refused, dropped);
   if (sent_late + received_late > 0)
     print_error("koboshi: frames more than {} ms late: {} of {} sent, {} of {} received\n",
-                LiveLink::kLate_us / 1000, sent_late, can["frames_sent"].get<std::uint64_t>(), received_late,
+                tools::LiveLink::kLate_us / 1000, sent_late, can["frames_sent"].get<std::uint64_t>(), received_late,
                 can["frames_received"].get<std::uint64_t>());
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -20,7 +20,7 @@
 #include "view/live/live_view.h"
 #include "view/recording/recording.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 
 // Options that several commands share. The structs must outlive the command that they are added to.
 
@@ -50,25 +50,25 @@ inline constexpr const char* kLogOrBusHelp =
     "A log of candump -L, the folder of a run, or - for standard input\n(default: the live bus)";
 
 // Adds --first and --second, which choose the SDO channel of a drive. `channel` must outlive the command.
-void add_sdo_options(CLI::App& command, SdoChannel& channel);
+void add_sdo_options(CLI::App& command, bus::SdoChannel& channel);
 
 // Adds LOG, and with it --bus and --times. Returns the option of LOG.
-CLI::Option* add_log_options(CLI::App& command, LogChoice& log, const std::string& help);
+CLI::Option* add_log_options(CLI::App& command, bus::LogChoice& log, const std::string& help);
 
 // Frames from a log, if one is named, else from the bus.
 struct OpenedSource {
   std::unique_ptr<sim_board::Transport> transport;  // null for a log
-  std::unique_ptr<FrameSource> source;
+  std::unique_ptr<bus::FrameSource> source;
 };
 // Signals end the waits; standard output is flushed before each.
-OpenedSource open_source(const LogChoice& log, const CanOptions& options, Interrupt& interrupt);
+OpenedSource open_source(const bus::LogChoice& log, const CanOptions& options, tools::Interrupt& interrupt);
 // Prints on standard error what the user should know about the part of a log that was read since the last
 // call.
-void print_remarks(FrameSource& source);
+void print_remarks(bus::FrameSource& source);
 
 // The messages on the bus of a robot's file; without one, of Koboshi from the repository of this folder or of
 // the program, and empty if there is none.
-Network network_of(const std::filesystem::path& robot);
+bus::Network network_of(const std::filesystem::path& robot);
 
 // A node id, 1 to 127. Throws std::invalid_argument.
 std::uint8_t parse_node(const std::string& text);
@@ -90,7 +90,7 @@ CLI::Validator taken_by(Parser parse) {
 }
 
 // Adds --can, --realtime, --speed, --real-bus, --ttl and --interface of a simulation.
-void add_live_options(CLI::App& command, LiveOptions& options);
+void add_live_options(CLI::App& command, tools::LiveOptions& options);
 
 // Adds --view and --view-port.
 struct ViewOptions {
@@ -100,13 +100,13 @@ struct ViewOptions {
 void add_view_options(CLI::App& command, ViewOptions& options);
 
 // Opens the live view, which runs in real time; null without --view. With --real-bus its pages may not drive.
-std::unique_ptr<view::LiveView> open_view(const ViewOptions& options, LiveOptions& live);
+std::unique_ptr<view::LiveView> open_view(const ViewOptions& options, tools::LiveOptions& live);
 
 // Prints the address of the pages, if there is a live view.
 void print_view_address(const view::LiveView* view);
 
 // Prints the address of the bus, if the simulation is joined to one.
-void print_bus_address(const LiveLink& link);
+void print_bus_address(const tools::LiveLink& link);
 
 // Prints a warning on standard error, while the simulation runs.
 void warn(const std::string& text);
@@ -121,4 +121,4 @@ void warn_of_losses(const nlohmann::ordered_json& report);
 void warn_of_overruns(std::uint64_t overruns, std::uint64_t largest_delay_us);
 void warn_of_lost_frames(std::uint64_t frames);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -25,7 +25,7 @@
 #include "tools/policy/quantise.h"
 #include "tools/policy/recorded_inputs.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
@@ -44,10 +44,10 @@ simulation::NamedModel load(const PolicyArguments& arguments) {
       sim_board::load_robot(simulation::find_input(simulation::InputKind::kRobot, arguments.robot)));
 }
 
-std::vector<std::vector<double>> read_recorded(const PolicyArguments& arguments, const PolicyMap& map) {
+std::vector<std::vector<double>> read_recorded(const PolicyArguments& arguments, const tools::PolicyMap& map) {
   std::vector<std::string> columns;
-  for (const MappedInput& input : map.inputs) columns.push_back(input.column);
-  auto rows = read_recorded_columns(arguments.inputs, columns);
+  for (const tools::MappedInput& input : map.inputs) columns.push_back(input.column);
+  auto rows = tools::read_recorded_columns(arguments.inputs, columns);
   for (std::vector<double>& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) row[i] *= map.inputs[i].column_scale;
   }
@@ -56,10 +56,10 @@ std::vector<std::vector<double>> read_recorded(const PolicyArguments& arguments,
 
 void import_policy(const PolicyArguments& arguments) {
   const simulation::NamedModel robot = load(arguments);
-  const PolicyMap map = read_policy_map(arguments.map, robot);
-  const Mlp network = read_onnx(arguments.file, map.onnx_output);
+  const tools::PolicyMap map = tools::read_policy_map(arguments.map, robot);
+  const tools::Mlp network = tools::read_onnx(arguments.file, map.onnx_output);
   const auto rows = read_recorded(arguments, map);
-  const QuantisedPolicy policy = quantise(network, map, rows, robot, arguments.file);
+  const tools::QuantisedPolicy policy = tools::quantise(network, map, rows, robot, arguments.file);
   const std::filesystem::path out =
       arguments.out.empty() ? std::filesystem::path(arguments.file.stem().string() + ".kpol") : arguments.out;
   write_whole_file(out, {reinterpret_cast<const char*>(policy.image.data()), policy.image.size()});
@@ -68,7 +68,7 @@ void import_policy(const PolicyArguments& arguments) {
              policy::kMaxWork);
   fmt::print("error against floating point, over {} recorded rows:\n", rows.size());
   for (std::size_t i = 0; i < policy.errors.size(); ++i) {
-    const QuantisationError& error = policy.errors[i];
+    const tools::QuantisationError& error = policy.errors[i];
     fmt::print("  {:24} largest {:.4f} deg, rms {:.4f} deg, of offsets up to {:.3f} deg\n",
                map.outputs[i].joint, error.largest_rad * kDegreesPerRad, error.rms_rad * kDegreesPerRad,
                error.range_rad * kDegreesPerRad);
@@ -98,7 +98,7 @@ void upload(const PolicyArguments& arguments) {
   const simulation::NamedModel robot = load(arguments);
   const std::vector<std::byte> image = simulation::read_policy_image(arguments.file, robot.model);
   const auto transport = open_can(arguments.can);
-  PolicyOnRobot(*transport).upload(image);
+  tools::PolicyOnRobot(*transport).upload(image);
   fmt::print("{}: {} bytes, read back the same; object 2150:1 enables it\n", arguments.file.string(),
              image.size());
 }
@@ -160,4 +160,4 @@ void add_policy_command(CLI::App& program, Invocation&) {
   add_upload(*command);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

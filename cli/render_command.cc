@@ -24,7 +24,7 @@
 #include "view/film/film.h"
 #include "view/recording/read_recording.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 constexpr int kMinSize_px = 64;
@@ -107,11 +107,11 @@ void render_run(RenderArguments& arguments) {
   arguments.options.overlays = overlays_of(arguments.overlays);
   const view::Recording recording = view::read_recording(arguments.run);
   warn_of_meshes(recording);
-  Interrupt interrupt;
+  tools::Interrupt interrupt;
   int shown = 0;
   view::render(recording, arguments.options, [&](int frames, int total) {
     if (const auto signal = interrupt.requested())
-      throw Interrupted(*signal, fmt::format("interrupted after {} of {} frames, no {}", frames, total,
+      throw tools::Interrupted(*signal, fmt::format("interrupted after {} of {} frames, no {}", frames, total,
                                              arguments.options.out.string()));
     show_progress(frames, total, shown);
   });
@@ -209,4 +209,4 @@ Examples:
   command->callback([arguments] { render_run(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -12,7 +12,7 @@
 #include "view/recording/read_recording.h"
 #include "view/replay/replay_page.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct ReplayArguments {
@@ -89,4 +89,4 @@ Example:
   });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -26,7 +26,7 @@
 #include "tools/teleop/page_keys.h"
 #include "tools/teleop/teleop.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 // By the value of --record, a rate in hertz.
@@ -38,7 +38,7 @@ const std::map<std::string, std::uint64_t>& recording_periods_us() {
 // Shows the progress of a run on a terminal, and nothing in a pipe.
 class ProgressBar {
  public:
-  void show(const RunProgress& progress) {
+  void show(const tools::RunProgress& progress) {
     if (!terminal_) return;
     const int percent = static_cast<int>(100.0 * progress.simulated_s / progress.duration_s);
     if (percent == percent_) return;
@@ -56,7 +56,7 @@ class ProgressBar {
   int percent_ = -1;
 };
 
-void report(const RunResult& result, const std::filesystem::path& out) {
+void report(const tools::RunResult& result, const std::filesystem::path& out) {
   const simulation::RunSummary& summary = result.summary;
   // The last event is the verdict.
   const auto but_the_last = std::span(summary.events).first(summary.events.size() - 1);
@@ -72,29 +72,29 @@ void report(const RunResult& result, const std::filesystem::path& out) {
 }
 
 // Why the keys of a page have no effect on this run; empty if they have one.
-std::string refusal_of_keys(const RunOptions& options) {
+std::string refusal_of_keys(const tools::RunOptions& options) {
   if (options.live.transport.real_bus) return "Keys are refused: this run is on a real bus (--real-bus).";
   if (!options.scenario.teleop) return "This run takes no keys: --set teleop=true lets a page drive.";
   return {};
 }
 
 // The operator needs a terminal or a page, and a run in real time.
-void give_operator(RunOptions& options, KeyQueue& keys) {
+void give_operator(tools::RunOptions& options, tools::KeyQueue& keys) {
   const bool takes_page_keys = options.view != nullptr && refusal_of_keys(options).empty();
-  const Teleop::Seats seats{Terminal::is_there(), options.view, takes_page_keys ? &keys : nullptr};
+  const tools::Teleop::Seats seats{tools::Terminal::is_there(), options.view, takes_page_keys ? &keys : nullptr};
   if (!seats.terminal && !takes_page_keys) {
     throw InputError(options.scenario.file, 0, "teleop: true, but no terminal on standard input and output",
                      "one, whose keys drive the robot, or --view, or --set teleop=false");
   }
   options.live.realtime = true;
   options.make_operator = [seats](simulation::Simulation& simulation, const simulation::RunRecorder& recorder,
-                                  const LiveLink& live) {
-    return std::make_unique<Teleop>(simulation, recorder, live, seats);
+                                  const tools::LiveLink& live) {
+    return std::make_unique<tools::Teleop>(simulation, recorder, live, seats);
   };
 }
 
 // scenarios/board.yaml lasts for a day, for `koboshi board`, which runs in real time.
-void warn_of_duration(const RunOptions& options) {
+void warn_of_duration(const tools::RunOptions& options) {
   constexpr double kLong_s = 3600.0;
   constexpr double kSecondsPerHour = 3600.0;
   const double duration_s = 1e-6 * static_cast<double>(options.scenario.duration_us);
@@ -154,7 +154,7 @@ std::vector<Override> scenario_overrides(const RunArguments& arguments) {
 }
 
 int run_and_report(const RunArguments& arguments, simulation::Scenario scenario) {
-  RunOptions options;
+  tools::RunOptions options;
   options.scenario = std::move(scenario);
   options.out =
       arguments.out.empty() ? std::filesystem::path("runs") / options.scenario.file.stem() : arguments.out;
@@ -170,33 +170,33 @@ int run_and_report(const RunArguments& arguments, simulation::Scenario scenario)
   }
   options.recording_period_us = recording_periods_us().at(arguments.record);
   options.live = arguments.live;
-  KeyQueue keys;  // outlives the view
+  tools::KeyQueue keys;  // outlives the view
   const auto view = open_view(arguments.view, options.live);
   options.view = view.get();
   if (view) {
-    view::PageKeys offered = page_keys(keys);
+    view::PageKeys offered = tools::page_keys(keys);
     offered.refusal = refusal_of_keys(options);
     view->set_keys(std::move(offered));
   }
-  options.ready = [&](const LiveLink& link) {
+  options.ready = [&](const tools::LiveLink& link) {
     print_bus_address(link);
     print_view_address(view.get());
   };
   options.warn = warn;
-  std::function<void(const RunProgress&)> show = [bar = ProgressBar()](const RunProgress& progress) mutable {
+  std::function<void(const tools::RunProgress&)> show = [bar = ProgressBar()](const tools::RunProgress& progress) mutable {
     bar.show(progress);
   };
   if (options.scenario.teleop) {
     give_operator(options, keys);
-    if (Terminal::is_there()) {
+    if (tools::Terminal::is_there()) {
       show = {};  // the operator has the screen
       options.warn = {};
     }
   }
   warn_of_duration(options);
-  const RunResult result = run(options, show);
+  const tools::RunResult result = tools::run(options, show);
   report(result, options.out);
   return result.failure ? 1 : 0;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

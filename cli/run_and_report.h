@@ -9,7 +9,7 @@
 #include "cli/options.h"
 #include "simulation/scenario/scenario.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 
 // The command line of a simulated run. The struct must outlive the command that its options are added to.
 struct RunArguments {
@@ -25,7 +25,7 @@ struct RunArguments {
   std::filesystem::path image;
   std::filesystem::path storage;
   std::string record = "100";
-  LiveOptions live;
+  tools::LiveOptions live;
   ViewOptions view;
 };
 
@@ -38,4 +38,4 @@ std::vector<Override> scenario_overrides(const RunArguments& arguments);
 // Runs a scenario and prints its events and its verdict. Returns the exit status. Throws what run() throws.
 int run_and_report(const RunArguments& arguments, simulation::Scenario scenario);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -6,7 +6,7 @@
 #include "simulation/scenario/paths.h"
 #include "simulation/scenario/reader.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct ScenarioArguments {
@@ -60,4 +60,4 @@ Examples:
   });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

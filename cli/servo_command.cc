@@ -16,7 +16,7 @@
 #include "tools/servo/datasheet.h"
 #include "tools/servo/servo_figures.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 bool is_plain(const std::string& name) {
@@ -57,7 +57,7 @@ void plot(PlotArguments& arguments) {
   if (std::filesystem::exists(arguments.out) && !std::filesystem::is_directory(arguments.out))
     throw InputError(arguments.out, 0, "a file", "a folder, or nothing yet");
   for (const auto& [name, servo] : types) {
-    draw_servo(name, servo, arguments.out / name);
+    tools::draw_servo(name, servo, arguments.out / name);
     fmt::print("{}: torque_speed, step, sine, friction_speed, friction_load, backlash (csv, png, svg)\n",
                (arguments.out / name).string());
   }
@@ -90,7 +90,7 @@ void check(const std::string& option, double value, double low, double high) {
   throw InputError(option, 0, number_text(value), koboshi::describe(NumberRange{low, high}));
 }
 
-void print_servo_type(const Datasheet& sheet) {
+void print_servo_type(const tools::Datasheet& sheet) {
   if (!is_plain(sheet.name)) throw InputError("--name", 0, one_line(sheet.name), "letters, digits, _ and -");
   check("--stall-torque-Nm", sheet.stall_torque_Nm, 1e-3, 100.0);
   check("--no-load-speed-rad-per-s", sheet.no_load_speed_rad_per_s, 0.01, 1000.0);
@@ -100,11 +100,11 @@ void print_servo_type(const Datasheet& sheet) {
   check("--viscous-friction-share", sheet.viscous_friction_share, 0.0, 0.5);
   check("--time-constant-s", sheet.time_constant_s, 0.0, 1.0);
   check("--full-voltage-error-rad", sheet.full_voltage_error_rad, 1e-4, 10.0);
-  fmt::print("{}", servo_type_from(sheet));
+  fmt::print("{}", tools::servo_type_from(sheet));
 }
 
 void add_datasheet_command(CLI::App& servo) {
-  auto sheet = std::make_shared<Datasheet>();
+  auto sheet = std::make_shared<tools::Datasheet>();
   CLI::App* command = servo.add_subcommand("from-datasheet", "Make a servo type from a data sheet");
   command->footer(
       R"(Prints a library of one koboshi:servo_type, with its assumptions as comments. Copy it into a robot's file
@@ -149,4 +149,4 @@ void add_servo_command(CLI::App& program, Invocation&) {
   add_datasheet_command(*servo);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

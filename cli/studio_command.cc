@@ -11,7 +11,7 @@
 #include "base/file/standard_streams.h"
 #include "cli/commands.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 constexpr int kMissing = 2;
@@ -49,4 +49,4 @@ void add_studio_command(CLI::App& program, Invocation& invocation) {
   command->callback([command, &invocation] { invocation.exit_status = start_studio(command->remaining()); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -12,7 +12,7 @@
 #include "simulation/scenario/reader.h"
 #include "tools/target/target_report.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct TargetReportArguments {
@@ -24,12 +24,12 @@ struct TargetReportArguments {
 
 void report_target(const TargetReportArguments& arguments) {
   const auto image = arguments.image.empty() ? simulation::default_image() : arguments.image;
-  const TargetReport report = measure_target(
+  const tools::TargetReport report = tools::measure_target(
       simulation::read_scenario(simulation::find_input(simulation::InputKind::kScenario, arguments.scenario)),
       image);
-  if (!arguments.page.empty()) write_whole_file(arguments.page, to_page(report, arguments.scenario));
-  if (!arguments.json.empty()) simulation::write_json(arguments.json, to_json(report));
-  fmt::print("{}\n", to_tables(report));
+  if (!arguments.page.empty()) write_whole_file(arguments.page, tools::to_page(report, arguments.scenario));
+  if (!arguments.json.empty()) simulation::write_json(arguments.json, tools::to_json(report));
+  fmt::print("{}\n", tools::to_tables(report));
 }
 
 }  // namespace
@@ -53,4 +53,4 @@ Examples:
   command->callback([arguments] { report_target(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -70,6 +70,47 @@ function(koboshi_optimise_small_matrices name)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O3 -DNDEBUG>)
 endfunction()
 
+# koboshi_precompile_for_tests(NAME HEADER...) defines koboshi_NAME, whose headers of other projects the tests of koboshi_test
+# share precompiled. It is never linked.
+function(koboshi_precompile_for_tests name)
+  set(main ${PROJECT_BINARY_DIR}/koboshi_${name}.cc)
+  if(NOT EXISTS ${main})
+    file(WRITE ${main} "int main() {}\n")
+  endif()
+  add_executable(koboshi_${name} EXCLUDE_FROM_ALL ${main})
+  target_link_libraries(koboshi_${name} PRIVATE koboshi_options GTest::gtest GTest::gmock)
+  target_compile_options(koboshi_${name} PRIVATE ${KOBOSHI_TEST_OPTIONS})
+  target_precompile_headers(koboshi_${name} PRIVATE ${ARGN})
+endfunction()
+
+# Parsing these headers takes a quarter of the time in which a test compiles. Builds without unity builds do not share them,
+# so that a source which does not include what it uses is noticed there.
+option(KOBOSHI_PRECOMPILE "Precompile the headers of other projects that the tests share" ${CMAKE_UNITY_BUILD})
+function(koboshi_share_precompiled_headers name)
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${koboshi_SOURCE_DIR} OUTPUT_VARIABLE folder)
+  set(standard <algorithm> <array> <chrono> <cmath> <functional> <map> <memory> <numbers> <optional> <random> <ranges> <span> <sstream>
+      <string> <string_view> <tuple> <variant> <vector> <gmock/gmock.h> <gtest/gtest.h>)
+  if(NOT KOBOSHI_SIMULATION OR folder MATCHES "^tests/unit/(firmware|hal)")
+    set(headers firmware_test_headers)
+    if(NOT TARGET koboshi_${headers})
+      koboshi_precompile_for_tests(${headers} ${standard})
+    endif()
+  else()
+    find_package(fmt REQUIRED)
+    find_package(Eigen3 REQUIRED NO_MODULE)
+    find_package(nlohmann_json REQUIRED)
+    set(libraries fmt::fmt Eigen3::Eigen nlohmann_json::nlohmann_json)  # with the macros that their headers ask for
+    set(headers simulation_test_headers)
+    if(NOT TARGET koboshi_${headers})
+      koboshi_precompile_for_tests(${headers} ${standard} <filesystem> <fstream> <regex> <thread> <Eigen/Dense> <fmt/format.h>
+                                   <nlohmann/json.hpp>)
+      target_link_libraries(koboshi_${headers} PRIVATE ${libraries})
+    endif()
+    target_link_libraries(${name} PRIVATE ${libraries})
+  endif()
+  target_precompile_headers(${name} REUSE_FROM koboshi_${headers})
+endfunction()
+
 # koboshi_test(NAME LABEL label [TOGETHER] [COMPUTES] SOURCES ... [DEPS ...]) defines a GoogleTest program. ctest runs its
 # cases under the label; with TOGETHER as one test, for short cases whose common set-up would take most of the time.
 # COMPUTES optimises a program that spends much time in its own code.
@@ -80,6 +121,9 @@ function(koboshi_test name)
   target_compile_options(${name} PRIVATE $<IF:$<BOOL:${arg_COMPUTES}>,${KOBOSHI_LIGHT_OPTIONS},${KOBOSHI_TEST_OPTIONS}>)
   target_compile_definitions(${name} PRIVATE KOBOSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                              KOBOSHI_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  if(KOBOSHI_PRECOMPILE AND NOT arg_COMPUTES)  # not with other options than those of the shared headers
+    koboshi_share_precompiled_headers(${name})
+  endif()
   if(arg_TOGETHER)
     add_test(NAME ${name} COMMAND ${name})
     set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL})

@@ -34,12 +34,6 @@ inline Eigen::Vector3d velocity_at(const Vector6& velocity, const Eigen::Vector3
   return velocity.tail<3>() + velocity.head<3>().cross(p_O);
 }
 
-inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return matrix;
-}
-
 // Inertia of rigidly connected masses: maps velocity to momentum (Featherstone, eq. 2.63).
 struct SpatialInertia {
   double mass_kg = 0.0;

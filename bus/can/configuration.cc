@@ -9,7 +9,7 @@
 
 #include "firmware/canopen/frame.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using Data = std::vector<std::uint8_t>;
@@ -171,4 +171,4 @@ ConfigurationReport write_configuration(SdoTransfer& sdo, const DeviceFile& file
   return configurator.report();
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -7,7 +7,7 @@
 #include "bus/can/device_file.h"
 #include "bus/can/sdo_transfer.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 // The objects of a node against those of a device file.
 struct ConfigurationReport {
@@ -26,4 +26,4 @@ ConfigurationReport compare_configuration(SdoTransfer& sdo, const DeviceFile& fi
 // are not written.
 ConfigurationReport write_configuration(SdoTransfer& sdo, const DeviceFile& file);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

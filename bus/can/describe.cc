@@ -9,7 +9,7 @@
 #include "firmware/canopen/sdo/protocol.h"
 #include "sim_board/drive/pc_sdo.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using canopen::load_u16;
@@ -193,4 +193,4 @@ std::string describe(const hal::CanFrame& frame, const ObjectNames& names) {
   }
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

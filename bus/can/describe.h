@@ -9,7 +9,7 @@
 #include "hal/port/can.h"
 #include "sim_board/can/foreign_frame.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 enum class FrameKind { kNmt, kSync, kEmergency, kTime, kPdo, kSdo, kHeartbeat, kOther };
 
@@ -42,4 +42,4 @@ class ForeignCount {
   std::array<std::uint64_t, 5> counts_{};
 };
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

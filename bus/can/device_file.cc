@@ -14,7 +14,7 @@
 #include "base/text/foreign_text.h"
 #include "base/text/text.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 // --- The file as sections with keys
@@ -273,4 +273,4 @@ DeviceFile read_device_file(const std::filesystem::path& file, std::uint8_t node
   return Reader(file, node_id).read();
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

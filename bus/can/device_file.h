@@ -8,7 +8,7 @@
 
 #include "firmware/canopen/dictionary.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 // An object in a device file, with its value as it is on the bus.
 struct FileObject {
@@ -34,4 +34,4 @@ struct DeviceFile {
 // Reads a file for the node with this id, which $NODEID stands for. Throws InputError with the line.
 DeviceFile read_device_file(const std::filesystem::path& file, std::uint8_t node_id);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -9,7 +9,7 @@
 
 #include "base/table/table.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using Kind = sim_board::ForeignFrame::Kind;
@@ -135,4 +135,4 @@ int AscWriter::channel_of(const std::string& interface) {
   return channel;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -6,7 +6,7 @@
 
 #include "bus/can/source.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 // Frames of a log in the formats of other programs, a line for each.
 
@@ -30,4 +30,4 @@ class AscWriter {
   std::set<int> taken_;
 };
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

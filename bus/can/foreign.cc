@@ -8,7 +8,7 @@
 
 #include "bus/can/describe.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using Kind = sim_board::ForeignFrame::Kind;
@@ -126,4 +126,4 @@ std::string ForeignCount::text() const {
   return text;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

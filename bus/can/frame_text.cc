@@ -6,7 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 std::optional<std::uint64_t> number_of(std::string_view text, int base) {
@@ -82,4 +82,4 @@ std::uint64_t parse_hexadecimal(std::string_view text, std::string_view what, st
   return *number;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -5,7 +5,7 @@
 
 #include "hal/port/can.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 // An example of a useful frame: it commands the controller to enable the drives.
 inline constexpr std::string_view kSampleFrame = "201#010000";
@@ -25,4 +25,4 @@ std::uint64_t parse_number(std::string_view text, std::string_view what, std::ui
 std::uint64_t parse_hexadecimal(std::string_view text, std::string_view what, std::uint64_t most,
                                 std::size_t digits);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -9,7 +9,7 @@
 #include "bus/can/source.h"
 #include "firmware/canopen/frame.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using canopen::LssCommand;
@@ -179,4 +179,4 @@ std::optional<LssAddress> LssMaster::fastscan() {
       "fastscan found slaves without a node id, but their answers are too late: a longer --timeout");
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

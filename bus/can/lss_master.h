@@ -9,7 +9,7 @@
 #include "firmware/canopen/lss_slave.h"
 #include "sim_board/can/transport/transport.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 // Vendor id, product code, revision number, serial number.
 using LssAddress = canopen::LssSlave::Address;
@@ -60,4 +60,4 @@ class LssMaster {
   std::uint64_t timeout_us_;
 };
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

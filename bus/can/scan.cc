@@ -18,7 +18,7 @@
 #include "firmware/canopen/sdo/protocol.h"
 #include "sim_board/drive/pc_sdo.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -222,4 +222,4 @@ std::string scan_table(const ScanResult& result) {
                     TableStyle::kTerminal);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -11,7 +11,7 @@
 #include "bus/can/sdo_transfer.h"
 #include "sim_board/can/transport/transport.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 // Time and SDO channel of a scan.
 struct ScanOptions {
@@ -52,4 +52,4 @@ std::string scan_table(const ScanResult& result);
 // ...".
 std::string sighting_text(const ScanResult& result);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

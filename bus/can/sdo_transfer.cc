@@ -13,7 +13,7 @@
 #include "firmware/canopen/sdo/protocol.h"
 #include "sim_board/drive/pc_sdo.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using canopen::AbortCode;
@@ -347,4 +347,4 @@ void SdoTransfer::write_blocks(std::span<const std::uint8_t> data, std::uint8_t 
   }
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -10,7 +10,7 @@
 #include "firmware/canopen/dictionary.h"
 #include "sim_board/can/transport/transport.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 // An abort of the transfer by either side.
 class SdoAborted : public std::runtime_error {
@@ -116,4 +116,4 @@ inline constexpr std::uint64_t kSecondSdoTimeout_us = 250'000;
 // kSecondSdoTimeout_us; else the first.
 SdoTransfer open_sdo(sim_board::Transport& transport, std::uint8_t node_id, SdoChannel channel);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -19,7 +19,7 @@
 #include "base/text/text.h"
 #include "hal/linux/file_descriptor.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -236,4 +236,4 @@ void wait_for_frames(const sim_board::Transport& transport, std::uint64_t timeou
   poll_for_input(transport.descriptor(), timeout_us);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -12,7 +12,7 @@
 #include "sim_board/can/candump_log.h"
 #include "sim_board/can/transport/transport.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 struct TimedFrame {
   sim_board::BusFrame frame;
@@ -70,4 +70,4 @@ void send_surely(sim_board::Transport& transport, const hal::CanFrame& frame);
 // Waits until a frame may have arrived on a transport, or this time has passed.
 void wait_for_frames(const sim_board::Transport& transport, std::uint64_t timeout_us);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

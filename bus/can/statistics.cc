@@ -13,7 +13,7 @@
 #include "firmware/canopen/frame.h"
 #include "sim_board/can/frame_bits.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 constexpr const char* kKindNames[] = {"NMT", "SYNC", "EMCY", "TIME", "PDO", "SDO", "heartbeat", ""};
@@ -87,4 +87,4 @@ std::string statistics_table(const BusStatistics& statistics, double bits_per_s)
                            TableStyle::kTerminal);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -7,7 +7,7 @@
 #include "bus/can/describe.h"
 #include "bus/can/source.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 // Frames, bits and periods of one identifier.
 struct IdentifierStatistics {
@@ -52,4 +52,4 @@ class BusStatistics {
 // Formats a table with a line for each identifier.
 std::string statistics_table(const BusStatistics& statistics, double bits_per_s = 1e6);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

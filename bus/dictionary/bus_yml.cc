@@ -13,7 +13,7 @@
 #include "sim_board/sensor/sensor_node.h"
 #include "simulation/model/robot_model.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using Text = std::back_insert_iterator<std::string>;
@@ -112,4 +112,4 @@ std::string bus_text(const sim_board::RobotDescription& robot) {
   return text;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

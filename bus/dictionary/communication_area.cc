@@ -12,7 +12,7 @@
 #include "firmware/canopen/node/device_services.h"
 #include "firmware/canopen/pdo.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using canopen::DataType;
@@ -314,4 +314,4 @@ std::vector<Object> communication_area(const canopen::NodeDescription& node, con
   return objects;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

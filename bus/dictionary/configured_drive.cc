@@ -10,7 +10,7 @@
 #include "firmware/drive/configuration.h"
 #include "sim_board/drive/drive_dictionary.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 class Wire final : public canopen::FrameSink {
@@ -113,4 +113,4 @@ ConfiguredDrive configure_drive(const robot::Joint& joint, const sim_board::Driv
           static_cast<std::uint16_t>(node.read(0x1017, 0)), node.writes()};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -7,7 +7,7 @@
 #include "firmware/robot/model.h"
 #include "sim_board/description/description.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 struct ConfiguredDrive {
   // One SDO request of the start-up.
@@ -26,4 +26,4 @@ struct ConfiguredDrive {
 // against the drive's CANopen node. Throws std::logic_error if it fails.
 ConfiguredDrive configure_drive(const robot::Joint& joint, const sim_board::DriveDescription& drive);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -5,7 +5,7 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using Text = std::back_insert_iterator<std::string>;
@@ -95,4 +95,4 @@ std::string dbc_text(const Network& network) {
   return dbc;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

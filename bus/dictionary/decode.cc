@@ -2,7 +2,7 @@
 
 #include "bus/dictionary/network.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 std::int64_t raw_value(const Signal& signal, const hal::CanFrame& frame) {
@@ -36,4 +36,4 @@ std::vector<Reading> decode(const Network& network, const hal::CanFrame& frame) 
   return readings;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

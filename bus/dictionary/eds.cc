@@ -8,7 +8,7 @@
 
 #include <fmt/core.h>
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using Text = std::back_insert_iterator<std::string>;
@@ -140,4 +140,4 @@ std::string eds_text(const NodeKind& kind) {
   return eds;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -5,7 +5,7 @@
 #include "bus/dictionary/node_kinds.h"
 #include "simulation/model/robot_model.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 std::vector<GeneratedFile> dictionary_files(const sim_board::RobotDescription& robot,
                                             const app::ControllerValues& values) {
@@ -23,4 +23,4 @@ std::vector<GeneratedFile> dictionary_files(const sim_board::RobotDescription& r
   return files;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -7,7 +7,7 @@
 #include "firmware/app/dictionary.h"
 #include "sim_board/description/description.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 struct GeneratedFile {
   std::string name;
@@ -20,4 +20,4 @@ struct GeneratedFile {
 std::vector<GeneratedFile> dictionary_files(const sim_board::RobotDescription& robot,
                                             const app::ControllerValues& values);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

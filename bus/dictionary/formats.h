@@ -8,7 +8,7 @@
 #include "firmware/app/dictionary.h"
 #include "sim_board/description/description.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 // The texts of the generated files, one function for each format.
 
@@ -33,4 +33,4 @@ std::string page_text(std::span<const NodeKind> kinds, const Network& network);
 std::string parameters_page_text(const NodeKind& controller, const std::string& robot,
                                  const app::ControllerValues& robot_values);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -18,7 +18,7 @@
 #include "sim_board/sensor/sensor_node.h"
 #include "simulation/model/robot_model.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using canopen::PdoConfiguration;
@@ -212,4 +212,4 @@ Network make_network(const sim_board::RobotDescription& robot) {
   return builder.finish();
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

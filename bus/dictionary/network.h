@@ -10,7 +10,7 @@
 #include "hal/port/can.h"
 #include "sim_board/description/description.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 // A value in the data of a frame: little-endian, `raw * factor` of its unit.
 struct Signal {
@@ -71,4 +71,4 @@ struct Reading {
 // Empty if the network has no such message. The network must outlive the readings.
 std::vector<Reading> decode(const Network& network, const hal::CanFrame& frame);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

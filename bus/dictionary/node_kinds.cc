@@ -7,7 +7,7 @@
 #include "sim_board/drive/drive_objects.h"
 #include "sim_board/sensor/sensor_objects.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 // As much as the nodes' own NodeMemory holds.
@@ -83,4 +83,4 @@ std::vector<NodeKind> documented_kinds(const robot::RobotModel& robot, const app
           ankle_kind(hal::AnkleKind::kContactSwitch)};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

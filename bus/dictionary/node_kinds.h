@@ -6,7 +6,7 @@
 #include "firmware/app/dictionary.h"
 #include "firmware/robot/model.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 // The kinds of nodes on the robot's bus; each has a product code, an EDS and a chapter of the page.
 //
@@ -21,4 +21,4 @@ NodeKind ankle_kind(hal::AnkleKind kind = hal::AnkleKind::kSixAxis);  // not for
 std::vector<NodeKind> documented_kinds(const robot::RobotModel& robot,
                                        const app::ControllerValues& values = {});
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

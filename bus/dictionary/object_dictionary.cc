@@ -9,7 +9,7 @@
 #include "bus/dictionary/communication_area.h"
 #include "firmware/canopen/dictionary.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using canopen::DataType;
@@ -132,4 +132,4 @@ std::string unit_text(const canopen::Unit& unit) {
   return fmt::format("{}/{} {}", unit.numerator, unit.denominator, unit.name);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

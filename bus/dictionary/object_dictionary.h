@@ -10,7 +10,7 @@
 #include "firmware/canopen/described_object.h"
 #include "firmware/canopen/node/node.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 // The object dictionary of a kind of node, as in CiA 306: the objects of its own table and those of the
 // communication profile area, which the CANopen stack serves.
@@ -86,4 +86,4 @@ std::string unit_text(const canopen::Unit& unit);
 // INTEGER16, as CiA 301 writes it.
 std::string data_type_name(std::uint8_t data_type);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

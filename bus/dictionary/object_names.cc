@@ -6,7 +6,7 @@
 #include "firmware/drive/configuration.h"
 #include "sim_board/sensor/sensor_node.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 struct Kinds {
@@ -39,4 +39,4 @@ std::function<std::string(int node, canopen::ObjectAddress address)> object_name
   };
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -13,7 +13,7 @@
 #include "firmware/drive/configuration.h"
 #include "sim_board/sensor/sensor_node.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using Text = std::back_insert_iterator<std::string>;
@@ -297,4 +297,4 @@ std::string page_text(std::span<const NodeKind> kinds, const Network& network) {
   return page;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -8,7 +8,7 @@
 #include "base/text/text.h"
 #include "simulation/assembly/controller_parameters.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 constexpr std::string_view kParametersIntroduction =
@@ -88,4 +88,4 @@ std::string parameters_page_text(const NodeKind& controller, const std::string& 
   return page;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

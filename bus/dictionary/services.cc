@@ -6,7 +6,7 @@
 #include "firmware/canopen/described_object.h"
 #include "firmware/canopen/frame.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 Signal unsigned_signal(std::string name, unsigned start_bit, unsigned size_bits,
@@ -92,4 +92,4 @@ std::array<Message, 2> sdo_messages(std::uint8_t node_id, const std::string& nod
   return {with_receiver(std::move(request), node), with_receiver(std::move(response), client)};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

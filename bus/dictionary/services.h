@@ -6,7 +6,7 @@
 
 #include "bus/dictionary/network.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 // Returns the signal with the limits of its size.
 Signal integer_signal(Signal signal);
@@ -22,4 +22,4 @@ Message heartbeat_message(std::uint8_t node_id, const std::string& node, const s
 // Request and response. The meaning of the last four bytes depends on the command.
 std::array<Message, 2> sdo_messages(std::uint8_t node_id, const std::string& node, const std::string& client);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

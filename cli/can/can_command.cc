@@ -12,7 +12,7 @@
 #include "cli/options.h"
 #include "firmware/canopen/frame.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 using canopen::NmtCommand;
@@ -24,14 +24,14 @@ void add_send(CLI::App& can) {
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
-      can.add_subcommand("send", fmt::format("Send frames: {}, 000#0110, 123#R", kSampleFrame));
+      can.add_subcommand("send", fmt::format("Send frames: {}, 000#0110, 123#R", bus::kSampleFrame));
   command->add_option("FRAME", arguments->frames, "ID#DATA in hexadecimal, as for cansend")->required();
   add_can_options(*command, arguments->can);
   command->callback([arguments] {
     std::vector<hal::CanFrame> frames;
-    for (const std::string& text : arguments->frames) frames.push_back(parse_frame(text));
+    for (const std::string& text : arguments->frames) frames.push_back(bus::parse_frame(text));
     const auto transport = open_can(arguments->can);
-    for (const hal::CanFrame& frame : frames) send_surely(*transport, frame);
+    for (const hal::CanFrame& frame : frames) bus::send_surely(*transport, frame);
   });
 }
 
@@ -66,7 +66,7 @@ void add_nmt(CLI::App& can) {
   add_can_options(*command, arguments->can);
   command->callback([arguments] {
     const canopen::NmtMessage message{kOrders.at(arguments->order), parse_addressed(arguments->node)};
-    send_surely(*open_can(arguments->can), canopen::encode(message));
+    bus::send_surely(*open_can(arguments->can), canopen::encode(message));
   });
 }
 
@@ -93,7 +93,7 @@ Examples:
   koboshi can export runs/walk --out walk.asc
   koboshi can replay runs/walk/can.log --can udp:239.74.163.2:43113
 )",
-      kSampleFrame));
+      bus::kSampleFrame));
   add_can_dump_command(*can, invocation);
   add_send(*can);
   add_can_sdo_command(*can, invocation);
@@ -104,4 +104,4 @@ Examples:
   add_can_log_commands(*can, invocation);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -13,19 +13,19 @@
 #include "cli/options.h"
 #include "firmware/canopen/frame.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct DcfArguments {
   std::string node;
   std::filesystem::path file;
   bool write = false;
-  SdoChannel channel = SdoChannel::kAutomatic;
+  bus::SdoChannel channel = bus::SdoChannel::kAutomatic;
   CanOptions can;
 };
 
 // Refuses to write the file of another device into a node.
-void check_device(SdoTransfer& sdo, const DcfArguments& arguments, const DeviceFile& file) {
+void check_device(bus::SdoTransfer& sdo, const DcfArguments& arguments, const bus::DeviceFile& file) {
   const auto check = [&](std::uint8_t subindex, const char* what,
                          const std::optional<std::uint32_t>& wanted) {
     if (!wanted || *wanted == 0) return;
@@ -41,16 +41,16 @@ void check_device(SdoTransfer& sdo, const DcfArguments& arguments, const DeviceF
 
 int run_dcf(const DcfArguments& arguments) {
   const std::uint8_t node = parse_node(arguments.node);
-  const DeviceFile file = read_device_file(arguments.file, node);
+  const bus::DeviceFile file = bus::read_device_file(arguments.file, node);
   if (arguments.write && !file.is_dcf)
     throw InputError(arguments.file, 0, "no ParameterValue", "a DCF, whose ParameterValues --write writes");
   const auto transport = open_can(arguments.can);
-  SdoTransfer sdo = open_sdo(*transport, node, arguments.channel);
+  bus::SdoTransfer sdo = bus::open_sdo(*transport, node, arguments.channel);
   if (file.node_id && *file.node_id != node)
     warn(fmt::format("{} is for node {}", arguments.file.string(), *file.node_id));
   if (arguments.write) check_device(sdo, arguments, file);
-  const ConfigurationReport report =
-      arguments.write ? write_configuration(sdo, file) : compare_configuration(sdo, file);
+  const bus::ConfigurationReport report =
+      arguments.write ? bus::write_configuration(sdo, file) : bus::compare_configuration(sdo, file);
   for (const std::string& difference : report.differences) fmt::print("{}\n", difference);
   if (arguments.write) fmt::print("{} written\n", count_text(report.written, "value"));
   fmt::print("{} of {} compared as in {}{}\n", report.differences.empty() ? "all" : "not all",
@@ -85,4 +85,4 @@ Example:
   command->callback([arguments, &invocation] { invocation.exit_status = run_dcf(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

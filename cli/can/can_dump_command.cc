@@ -21,13 +21,13 @@
 #include "cli/options.h"
 #include "tools/run/interrupt.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 constexpr std::uint64_t kPatience_us = 100'000;  // of the live bus, without effect on Ctrl-C
 
 struct CanDumpArguments {
-  LogChoice log;
+  bus::LogChoice log;
   std::vector<std::string> nodes;
   std::vector<std::string> kinds;
   std::vector<std::string> identifiers;
@@ -36,10 +36,10 @@ struct CanDumpArguments {
   CanOptions can;
 };
 
-const std::map<std::string, FrameKind>& kinds() {
-  static const std::map<std::string, FrameKind> names{
-      {"nmt", FrameKind::kNmt}, {"sync", FrameKind::kSync}, {"emcy", FrameKind::kEmergency},
-      {"pdo", FrameKind::kPdo}, {"sdo", FrameKind::kSdo},   {"heartbeat", FrameKind::kHeartbeat}};
+const std::map<std::string, bus::FrameKind>& kinds() {
+  static const std::map<std::string, bus::FrameKind> names{
+      {"nmt", bus::FrameKind::kNmt}, {"sync", bus::FrameKind::kSync}, {"emcy", bus::FrameKind::kEmergency},
+      {"pdo", bus::FrameKind::kPdo}, {"sdo", bus::FrameKind::kSdo},   {"heartbeat", bus::FrameKind::kHeartbeat}};
   return names;
 }
 
@@ -49,8 +49,8 @@ constexpr std::uint64_t kExtendedMark = std::uint64_t{1} << 32;  // apart from 1
 
 // An identifier of three digits has 11 bits, one of eight has 29, as for candump.
 std::uint64_t parse_identifier(const std::string& text) {
-  if (text.size() != kExtendedDigits) return parse_hexadecimal(text, "the identifier", 0x7FF, 3);
-  return kExtendedMark | parse_hexadecimal(text, "the identifier", 0x1FFF'FFFF, kExtendedDigits);
+  if (text.size() != kExtendedDigits) return bus::parse_hexadecimal(text, "the identifier", 0x7FF, 3);
+  return kExtendedMark | bus::parse_hexadecimal(text, "the identifier", 0x1FFF'FFFF, kExtendedDigits);
 }
 
 // The frames that the options select; all frames without such options.
@@ -80,26 +80,26 @@ class Filter {
            (identifiers_.empty() || identifiers_.contains(identifier));
   }
   bool passes(const hal::CanFrame& frame) const {
-    const bool of_kind = any_kind() || kinds_.contains(kind_of(frame)) || (foreign_ && frame.remote);
-    return of_kind && (nodes_.empty() || nodes_.contains(node_of(frame))) &&
+    const bool of_kind = any_kind() || kinds_.contains(bus::kind_of(frame)) || (foreign_ && frame.remote);
+    return of_kind && (nodes_.empty() || nodes_.contains(bus::node_of(frame))) &&
            (identifiers_.empty() || identifiers_.contains(frame.identifier));
   }
 
   std::set<int> nodes_;
-  std::set<FrameKind> kinds_;
+  std::set<bus::FrameKind> kinds_;
   bool foreign_ = false;
   std::set<std::uint64_t> identifiers_;
 };
 
-fmt::color color_of(FrameKind kind) {
+fmt::color color_of(bus::FrameKind kind) {
   switch (kind) {
-    case FrameKind::kEmergency:
+    case bus::FrameKind::kEmergency:
       return fmt::color::orange_red;
-    case FrameKind::kNmt:
+    case bus::FrameKind::kNmt:
       return fmt::color::gold;
-    case FrameKind::kSdo:
+    case bus::FrameKind::kSdo:
       return fmt::color::sky_blue;
-    case FrameKind::kPdo:
+    case bus::FrameKind::kPdo:
       return fmt::color::light_green;
     default:
       return fmt::color::gray;
@@ -108,16 +108,16 @@ fmt::color color_of(FrameKind kind) {
 
 fmt::color color_of(const sim_board::BusFrame& frame) {
   const auto* standard = std::get_if<hal::CanFrame>(&frame);
-  return standard != nullptr ? color_of(kind_of(*standard)) : fmt::color::gray;
+  return standard != nullptr ? color_of(bus::kind_of(*standard)) : fmt::color::gray;
 }
 
 // Prints frames, a line for each.
 class Printer {
  public:
   // `with_interface`: the log has several.
-  Printer(const Network& network, bool with_interface) : network_(network), with_interface_(with_interface) {}
+  Printer(const bus::Network& network, bool with_interface) : network_(network), with_interface_(with_interface) {}
 
-  void print(const TimedFrame& timed) const {
+  void print(const bus::TimedFrame& timed) const {
     const std::string text = frame_description(timed.frame, network_);
     const std::string line =
         fmt::format("{:12.6f}  {}{:<22}{}{}\n", 1e-6 * static_cast<double>(timed.time_us),
@@ -131,20 +131,20 @@ class Printer {
   }
 
  private:
-  const Network& network_;
+  const bus::Network& network_;
   bool with_interface_;
   bool colored_ = isatty(STDOUT_FILENO) != 0;
 };
 
 void dump(const CanDumpArguments& arguments) {
   const Filter filter(arguments);
-  const Network network = network_of(arguments.robot);
+  const bus::Network network = network_of(arguments.robot);
   const bool several = !arguments.log.place.empty() && arguments.log.interface.empty() &&
-                       interfaces_of(arguments.log).size() > 1;
+                       bus::interfaces_of(arguments.log).size() > 1;
   const Printer printer(network, several);
-  Interrupt interrupt;
+  tools::Interrupt interrupt;
   const OpenedSource opened = open_source(arguments.log, arguments.can, interrupt);
-  ForeignCount foreign;
+  bus::ForeignCount foreign;
   std::uint64_t shown = 0;
   std::optional<int> signal;
   while (arguments.count == 0 || shown < arguments.count) {
@@ -159,7 +159,7 @@ void dump(const CanDumpArguments& arguments) {
   print_remarks(*opened.source);
   if (!foreign.empty()) print_error("koboshi: not decoded: {}\n", foreign.text());
   if (signal && (arguments.count > 0 || !opened.source->is_arriving()))
-    throw Interrupted(*signal, fmt::format("interrupted after {}", count_text(shown, "frame")));
+    throw tools::Interrupted(*signal, fmt::format("interrupted after {}", count_text(shown, "frame")));
 }
 
 }  // namespace
@@ -196,4 +196,4 @@ and for a file, either is an interruption, with status 130 or 143.
   command->callback([arguments] { dump(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -24,13 +24,13 @@
 #include "tools/run/interrupt.h"
 #include "tools/run/pacer.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 // --- stats
 
 struct CanStatisticsArguments {
-  LogChoice log;
+  bus::LogChoice log;
   double duration_s = 10.0;
   double kbit_per_s = 1000.0;
   CanOptions can;
@@ -38,10 +38,10 @@ struct CanStatisticsArguments {
 
 // A table for each interface of a log.
 void show_statistics(const CanStatisticsArguments& arguments) {
-  Interrupt interrupt;
+  tools::Interrupt interrupt;
   const OpenedSource opened = open_source(arguments.log, arguments.can, interrupt);
   const auto end_us = static_cast<std::uint64_t>(1e6 * arguments.duration_s);
-  std::map<std::string, BusStatistics> buses;
+  std::map<std::string, bus::BusStatistics> buses;
   std::uint64_t frames = 0;
   std::optional<int> signal;
   for (std::uint64_t last_us = 0; !(signal = interrupt.requested());) {
@@ -56,12 +56,12 @@ void show_statistics(const CanStatisticsArguments& arguments) {
     ++frames;
   }
   if (signal && !opened.source->is_arriving())
-    throw Interrupted(*signal, fmt::format("interrupted after {}", count_text(frames, "frame")));
+    throw tools::Interrupted(*signal, fmt::format("interrupted after {}", count_text(frames, "frame")));
   if (buses.empty()) buses[""];
   const char* separator = "";
   for (const auto& [interface, statistics] : buses) {
     fmt::print("{}{}{}", separator, buses.size() > 1 ? interface + ": " : "",
-               statistics_table(statistics, 1e3 * arguments.kbit_per_s));
+               bus::statistics_table(statistics, 1e3 * arguments.kbit_per_s));
     separator = "\n";
   }
   print_remarks(*opened.source);
@@ -89,14 +89,14 @@ status 0. While a file is read, either is an interruption, with status 130 or 14
 // --- replay
 
 struct CanReplayArguments {
-  LogChoice log;
+  bus::LogChoice log;
   double speed = 1.0;
   CanOptions can;
 };
 
 // Sends nothing unless the whole log is readable and of one bus.
-void check_before_replay(const LogChoice& log) {
-  const std::vector<std::string> interfaces = check_log(log);
+void check_before_replay(const bus::LogChoice& log) {
+  const std::vector<std::string> interfaces = bus::check_log(log);
   if (log.interface.empty() && interfaces.size() > 1)
     throw InputError(log.place, 0, "frames of several buses",
                      "--bus with one of " + join_alternatives(interfaces));
@@ -105,14 +105,14 @@ void check_before_replay(const LogChoice& log) {
 void replay_log(const CanReplayArguments& arguments) {
   check_before_replay(arguments.log);
   const auto transport = open_can(arguments.can);
-  Interrupt interrupt;
-  const auto source = open_log(arguments.log, [&](int descriptor, std::uint64_t timeout_us) {
+  tools::Interrupt interrupt;
+  const auto source = bus::open_log(arguments.log, [&](int descriptor, std::uint64_t timeout_us) {
     return interrupt.wait_for_input(descriptor, timeout_us);
   });
   std::optional<std::uint64_t> first_us;
   std::string interface;
-  Pacer pacer(0, arguments.speed, interruptible(interrupt));
-  ForeignCount skipped;
+  tools::Pacer pacer(0, arguments.speed, tools::interruptible(interrupt));
+  bus::ForeignCount skipped;
   std::uint64_t frames = 0;
   for (;;) {
     const auto timed = source->next(0);
@@ -126,13 +126,13 @@ void replay_log(const CanReplayArguments& arguments) {
     }
     print_remarks(*source);  // before an hour of frames, whose times it may concern
     if (const auto signal = interrupt.requested())
-      throw Interrupted(*signal, fmt::format("interrupted after {}", count_text(frames, "frame")));
+      throw tools::Interrupted(*signal, fmt::format("interrupted after {}", count_text(frames, "frame")));
     if (!timed) break;
     if (timed->standard() == nullptr) {
       skipped.add(timed->frame);
       continue;
     }
-    send_surely(*transport, *timed->standard());
+    bus::send_surely(*transport, *timed->standard());
     ++frames;
   }
   fmt::print("{} frames sent\n", frames);
@@ -153,7 +153,7 @@ void add_replay(CLI::App& can) {
 // --- export
 
 struct CanExportArguments {
-  LogChoice log;
+  bus::LogChoice log;
   std::filesystem::path out;
   std::filesystem::path robot;
 };
@@ -162,23 +162,23 @@ void write_export(const CanExportArguments& arguments) {
   const std::string extension = extension_of(arguments.out);
   if (extension != ".csv" && extension != ".asc")
     throw InputError("--out", 0, one_line(arguments.out.string()), "a file with the extension .csv or .asc");
-  check_log(arguments.log);
-  const Network network = network_of(arguments.robot);
-  Interrupt interrupt;
+  bus::check_log(arguments.log);
+  const bus::Network network = network_of(arguments.robot);
+  tools::Interrupt interrupt;
   const OpenedSource opened = open_source(arguments.log, {}, interrupt);
   OutputFile file(arguments.out);
-  AscWriter asc;
+  bus::AscWriter asc;
   const bool is_csv = extension == ".csv";
-  file.write(is_csv ? csv_head() : AscWriter::head());
+  file.write(is_csv ? bus::csv_head() : bus::AscWriter::head());
   std::uint64_t frames = 0;
   std::uint64_t omitted = 0;
   for (;;) {
     const auto timed = opened.source->next(0);
     if (const auto signal = interrupt.requested())
-      throw Interrupted(*signal, fmt::format("interrupted after {}", count_text(frames, "frame")));
+      throw tools::Interrupted(*signal, fmt::format("interrupted after {}", count_text(frames, "frame")));
     if (!timed) break;
     const std::string line =
-        is_csv ? csv_row(*timed, frame_description(timed->frame, network)) : asc.line(*timed);
+        is_csv ? bus::csv_row(*timed, frame_description(timed->frame, network)) : asc.line(*timed);
     ++(line.empty() ? omitted : frames);
     file.write(line);
   }
@@ -216,4 +216,4 @@ void add_can_log_commands(CLI::App& can, Invocation&) {
   add_export(can);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

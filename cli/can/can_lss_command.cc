@@ -15,7 +15,7 @@
 #include "cli/options.h"
 #include "firmware/canopen/frame.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 using canopen::LssSlave;
@@ -27,14 +27,14 @@ struct LssArguments {
   bool store = false;
   int delay_ms = 0;
   int timeout_ms = 500;
-  SdoChannel channel = SdoChannel::kAutomatic;  // for the identity of --node
+  bus::SdoChannel channel = bus::SdoChannel::kAutomatic;  // for the identity of --node
   CanOptions can;
 };
 using LssPointer = std::shared_ptr<LssArguments>;
 
-LssAddress identity_of(sim_board::Transport& transport, std::uint8_t node, SdoChannel channel) {
-  SdoTransfer sdo = open_sdo(transport, node, channel);
-  LssAddress address{};
+bus::LssAddress identity_of(sim_board::Transport& transport, std::uint8_t node, bus::SdoChannel channel) {
+  bus::SdoTransfer sdo = bus::open_sdo(transport, node, channel);
+  bus::LssAddress address{};
   for (std::size_t i = 0; i < address.size(); ++i) {
     const auto data = sdo.read({0x1018, static_cast<std::uint8_t>(i + 1)});
     if (data.size() != 4) throw std::runtime_error("its identity object is incomplete");
@@ -65,18 +65,18 @@ class Session {
   void select(const LssArguments& arguments) {
     if (arguments.address.empty() && arguments.node.empty())
       return master_.switch_globally(LssSlave::State::kConfiguration);
-    const LssAddress address = arguments.address.empty()
+    const bus::LssAddress address = arguments.address.empty()
                                    ? identity_of(*transport_, parse_node(arguments.node), arguments.channel)
-                                   : parse_lss_address(arguments.address);
+                                   : bus::parse_lss_address(arguments.address);
     if (!master_.switch_selectively(address))
-      throw std::runtime_error(fmt::format("no LSS slave {} answers", lss_address_text(address)));
+      throw std::runtime_error(fmt::format("no LSS slave {} answers", bus::lss_address_text(address)));
   }
 
-  LssMaster& master() { return master_; }
+  bus::LssMaster& master() { return master_; }
 
  private:
   std::unique_ptr<sim_board::Transport> transport_;
-  LssMaster master_;
+  bus::LssMaster master_;
   bool stays_;
 };
 
@@ -87,8 +87,8 @@ std::string id_text(std::uint8_t node_id) {
 void inquire(const LssArguments& arguments) {
   Session session(arguments);
   session.select(arguments);
-  const LssAddress address = session.master().inquire_address();
-  fmt::print("{}  {}\n", lss_address_text(address), id_text(session.master().inquire_node_id()));
+  const bus::LssAddress address = session.master().inquire_address();
+  fmt::print("{}  {}\n", bus::lss_address_text(address), id_text(session.master().inquire_node_id()));
 }
 
 // Finds slaves without a node id, one after the other: each stays in configuration until all are found.
@@ -99,17 +99,17 @@ int find(const LssArguments& arguments) {
   while (const auto address = session.master().fastscan()) {
     ++found;
     if (next == 0) {
-      fmt::print("{}\n", lss_address_text(*address));
+      fmt::print("{}\n", bus::lss_address_text(*address));
       continue;
     }
     if (next > canopen::kMaxNodeId) throw std::runtime_error("there are more slaves than node ids up to 127");
     // Alone in configuration, or the others would take the same node id.
     session.master().switch_globally(LssSlave::State::kWaiting);
     if (!session.master().switch_selectively(*address))
-      throw std::runtime_error(fmt::format("no LSS slave {} answers", lss_address_text(*address)));
+      throw std::runtime_error(fmt::format("no LSS slave {} answers", bus::lss_address_text(*address)));
     session.master().configure_node_id(static_cast<std::uint8_t>(next));
     if (arguments.store) session.master().store();
-    fmt::print("{}  node {}{}\n", lss_address_text(*address), next, arguments.store ? ", stored" : "");
+    fmt::print("{}  node {}{}\n", bus::lss_address_text(*address), next, arguments.store ? ", stored" : "");
     ++next;
     session.master().switch_globally(LssSlave::State::kWaiting);
   }
@@ -118,7 +118,7 @@ int find(const LssArguments& arguments) {
 }
 
 // A change of all slaves that are in configuration would give several nodes one id.
-void require_one(LssMaster& master) { static_cast<void>(master.inquire_address()); }
+void require_one(bus::LssMaster& master) { static_cast<void>(master.inquire_address()); }
 
 void set_node(const LssArguments& arguments) {
   const std::uint8_t id =
@@ -170,7 +170,7 @@ CLI::App* add(CLI::App& lss, const char* name, const char* text, const LssPointe
             ->add_option("--address", arguments->address,
                          "Select the slave with this identity; VENDOR:PRODUCT:REVISION:SERIAL, hexadecimal")
             ->type_name("ADDRESS")
-            ->check(taken_by(parse_lss_address));
+            ->check(taken_by(bus::parse_lss_address));
     command
         ->add_option("--node", arguments->node,
                      "Select the slave with this node id, whose identity is read by SDO first\n"
@@ -251,4 +251,4 @@ Examples:
   switch_command->callback([arguments] { switch_state(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -7,12 +7,12 @@
 #include "cli/commands.h"
 #include "cli/options.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 
 void add_can_scan_command(CLI::App& can, Invocation& invocation) {
   struct Arguments {
     double listen_s = 1.0;
-    SdoChannel channel = SdoChannel::kAutomatic;
+    bus::SdoChannel channel = bus::SdoChannel::kAutomatic;
     CanOptions can;
   };
   auto arguments = std::make_shared<Arguments>();
@@ -36,20 +36,20 @@ Example:
   add_can_options(*command, arguments->can);
   command->callback([arguments, &invocation] {
     const auto transport = open_can(arguments->can);
-    const ScanResult result = scan_bus(
+    const bus::ScanResult result = bus::scan_bus(
         *transport,
         {.listen_us = static_cast<std::uint64_t>(1e6 * arguments->listen_s), .channel = arguments->channel});
     if (result.nodes.empty()) {
       print_error(
           "koboshi: no node of {} answers or sends heartbeats; {}{}\n", transport->place(),
-          sighting_text(result),
+          bus::sighting_text(result),
           result.frames > 0 ? ": if they are of CANopen nodes, a longer --duration may find them" : "");
     } else {
-      fmt::print("{}", scan_table(result));
+      fmt::print("{}", bus::scan_table(result));
     }
     if (result.unconfigured) fmt::print("nodes without a node id answer LSS: koboshi can lss find\n");
     invocation.exit_status = result.nodes.empty() && !result.unconfigured ? 1 : 0;
   });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

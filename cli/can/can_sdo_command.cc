@@ -18,7 +18,7 @@
 #include "bus/can/sdo_transfer.h"
 #include "cli/options.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct CanSdoArguments {
@@ -27,12 +27,12 @@ struct CanSdoArguments {
   std::string value;
   std::string type;
   std::filesystem::path file;
-  SdoChannel channel = SdoChannel::kAutomatic;
+  bus::SdoChannel channel = bus::SdoChannel::kAutomatic;
   CanOptions can;
 };
 
-SdoTransfer open_transfer(const CanSdoArguments& arguments, sim_board::Transport& transport) {
-  return open_sdo(transport, parse_node(arguments.node), arguments.channel);
+bus::SdoTransfer open_transfer(const CanSdoArguments& arguments, sim_board::Transport& transport) {
+  return bus::open_sdo(transport, parse_node(arguments.node), arguments.channel);
 }
 
 // Parses 2101:1, 0x2101:0x1 or 1008, all hexadecimal.
@@ -40,8 +40,8 @@ canopen::ObjectAddress parse_object(const std::string& text) {
   const std::size_t colon = text.find(':');
   const std::string index = text.substr(0, colon);
   const std::string subindex = colon == std::string::npos ? "0" : text.substr(colon + 1);
-  return {static_cast<std::uint16_t>(parse_hexadecimal(index, "the object's index", 0xFFFF, 4)),
-          static_cast<std::uint8_t>(parse_hexadecimal(subindex, "the sub-index", 0xFF, 0))};
+  return {static_cast<std::uint16_t>(bus::parse_hexadecimal(index, "the object's index", 0xFFFF, 4)),
+          static_cast<std::uint8_t>(bus::parse_hexadecimal(subindex, "the sub-index", 0xFF, 0))};
 }
 
 bool is_text(const std::vector<std::uint8_t>& data) {
@@ -73,7 +73,7 @@ std::vector<std::uint8_t> number_bytes(const std::string& text, std::size_t size
   const bool negative = text.starts_with('-');
   const std::uint64_t most =
       negative ? std::uint64_t{1} << (8 * size - 1) : (std::uint64_t{1} << (8 * size)) - 1;
-  std::uint64_t value = parse_number(negative ? text.substr(1) : text, "the value", most);
+  std::uint64_t value = bus::parse_number(negative ? text.substr(1) : text, "the value", most);
   if (negative) value = ~value + 1;
   std::vector<std::uint8_t> data(size);
   for (std::size_t i = 0; i < size; ++i) data[i] = static_cast<std::uint8_t>(value >> (8 * i));
@@ -89,7 +89,7 @@ std::optional<std::vector<std::uint8_t>> typed_bytes(const CanSdoArguments& argu
 }
 
 // The bytes of a number of the size that the object has now.
-std::vector<std::uint8_t> untyped_bytes(const CanSdoArguments& arguments, SdoTransfer& transfer,
+std::vector<std::uint8_t> untyped_bytes(const CanSdoArguments& arguments, bus::SdoTransfer& transfer,
                                         canopen::ObjectAddress address) {
   const std::size_t size = transfer.read(address).size();
   if (size == 0 || size > 4)
@@ -99,7 +99,7 @@ std::vector<std::uint8_t> untyped_bytes(const CanSdoArguments& arguments, SdoTra
 }
 
 // Prints the progress of a transfer on a terminal, and nothing into a pipe.
-SdoProgress progress_of(const char* what) {
+bus::SdoProgress progress_of(const char* what) {
   if (isatty(STDERR_FILENO) == 0) return {};
   return [what](std::size_t done, std::size_t total) {
     if (total == 0) {
@@ -157,7 +157,7 @@ void add_can_sdo_command(CLI::App& can, Invocation&) {
     const auto bytes = typed_bytes(*arguments);
     if (!bytes) static_cast<void>(number_bytes(arguments->value, 4));  // refuses it before the bus is opened
     const auto transport = open_can(arguments->can);
-    SdoTransfer transfer = open_transfer(*arguments, *transport);
+    bus::SdoTransfer transfer = open_transfer(*arguments, *transport);
     transfer.write(address, bytes ? *bytes : untyped_bytes(*arguments, transfer, address));
   });
 
@@ -180,4 +180,4 @@ void add_can_sdo_command(CLI::App& can, Invocation&) {
   });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

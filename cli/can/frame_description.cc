@@ -4,15 +4,15 @@
 
 #include "bus/can/describe.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 // Decodes a PDO: its name, then each value with its unit or its name.
-std::string values_text(const Network& network, const hal::CanFrame& frame) {
-  const Message* message = network.find(frame.identifier);
+std::string values_text(const bus::Network& network, const hal::CanFrame& frame) {
+  const bus::Message* message = network.find(frame.identifier);
   if (message == nullptr) return {};
   std::string text = message->name + ":";
-  for (const Reading& reading : decode(network, frame)) {
+  for (const bus::Reading& reading : bus::decode(network, frame)) {
     text += fmt::format(" {}=", reading.signal->name);
     text += reading.name.empty() ? fmt::format("{:.6g}", reading.value) : fmt::format("'{}'", reading.name);
     if (reading.name.empty() && !reading.signal->unit.empty()) text += " " + reading.signal->unit;
@@ -22,11 +22,11 @@ std::string values_text(const Network& network, const hal::CanFrame& frame) {
 
 }  // namespace
 
-std::string frame_description(const sim_board::BusFrame& frame, const Network& network) {
-  if (const auto* foreign = std::get_if<sim_board::ForeignFrame>(&frame)) return describe(*foreign);
+std::string frame_description(const sim_board::BusFrame& frame, const bus::Network& network) {
+  if (const auto* foreign = std::get_if<sim_board::ForeignFrame>(&frame)) return bus::describe(*foreign);
   const auto& standard = std::get<hal::CanFrame>(frame);
-  const std::string text = describe(standard);
+  const std::string text = bus::describe(standard);
   return text.empty() ? values_text(network, standard) : text;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

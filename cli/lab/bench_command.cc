@@ -15,19 +15,19 @@
 #include "simulation/record/summary.h"
 #include "simulation/scenario/paths.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct BenchArguments {
-  BenchOptions options{.walk = "scenarios/walk.yaml", .squat = "scenarios/squat.yaml", .steppers = {}};
+  lab::BenchOptions options{.walk = "scenarios/walk.yaml", .squat = "scenarios/squat.yaml", .steppers = {}};
   std::vector<std::string> names;
   double reference_step_ms = 0.05;
   std::filesystem::path json;
 };
 
-std::vector<BenchStepper> chosen(const std::vector<std::string>& names) {
-  std::vector<BenchStepper> steppers = bench_steppers();
-  std::erase_if(steppers, [&](const BenchStepper& stepper) {
+std::vector<lab::BenchStepper> chosen(const std::vector<std::string>& names) {
+  std::vector<lab::BenchStepper> steppers = lab::bench_steppers();
+  std::erase_if(steppers, [&](const lab::BenchStepper& stepper) {
     return !names.empty() && std::ranges::find(names, stepper.name) == names.end();
   });
   return steppers;
@@ -38,10 +38,10 @@ void play_bench(BenchArguments arguments) {
     *scenario = simulation::find_input(simulation::InputKind::kScenario, *scenario);
   arguments.options.steppers = chosen(arguments.names);
   arguments.options.reference_step_s = 1e-3 * arguments.reference_step_ms;
-  const std::vector<BenchResult> results =
-      bench(arguments.options, [](const std::string& what) { print_error("koboshi: bench: {}\n", what); });
-  fmt::print("{}", bench_table(results));
-  if (!arguments.json.empty()) simulation::write_json(arguments.json, bench_json(results));
+  const std::vector<lab::BenchResult> results =
+      lab::bench(arguments.options, [](const std::string& what) { print_error("koboshi: bench: {}\n", what); });
+  fmt::print("{}", lab::bench_table(results));
+  if (!arguments.json.empty()) simulation::write_json(arguments.json, lab::bench_json(results));
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ void add_bench_command(CLI::App& program, Invocation&) {
       "  koboshi bench --json bench.json\n"
       "  koboshi bench --steppers world,lumped --duration 5 --reference-step-ms 0.25\n");
   std::vector<std::string> known;
-  for (const BenchStepper& stepper : bench_steppers()) known.push_back(stepper.name);
+  for (const lab::BenchStepper& stepper : lab::bench_steppers()) known.push_back(stepper.name);
   command->add_option("--steppers", arguments->names, "Only these (default: all)")
       ->delimiter(',')
       ->check(CLI::IsMember(known));
@@ -71,4 +71,4 @@ void add_bench_command(CLI::App& program, Invocation&) {
   command->callback([arguments] { play_bench(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -15,20 +15,20 @@
 #include "simulation/scenario/paths.h"
 #include "tools/run/interrupt.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct BringUpArguments {
-  BringUpOptions options{.robot = {}, .reference = "robots/koboshi/robot.sdf"};
+  lab::BringUpOptions options{.robot = {}, .reference = "robots/koboshi/robot.sdf"};
   double budget_min = 10.0;
 };
 
 int climb(BringUpArguments arguments) {
-  BringUpOptions& options = arguments.options;
+  lab::BringUpOptions& options = arguments.options;
   options.robot = simulation::find_input(simulation::InputKind::kRobot, options.robot);
   options.reference = simulation::find_input(simulation::InputKind::kRobot, options.reference);
   options.budget_s = 60.0 * arguments.budget_min;
-  Interrupt interrupt;
+  tools::Interrupt interrupt;
   std::atomic<int> signal = 0;
   options.go_on = [&] {
     if (const std::optional<int> arrived = interrupt.requested()) signal = *arrived;
@@ -36,17 +36,17 @@ int climb(BringUpArguments arguments) {
   };
   std::string last;
   try {
-    const BringUpResult result = bring_up(options, [&](const std::string& line) {
+    const lab::BringUpResult result = lab::bring_up(options, [&](const std::string& line) {
       last = line;
       print_error("koboshi: bring-up: {}\n", line);
     });
-    fmt::print("{}", ladder_text(result));
+    fmt::print("{}", lab::ladder_text(result));
     for (const std::filesystem::path& file : result.files) fmt::print("{}\n", file.string());
     const bool failed = std::ranges::any_of(
-        result.rungs, [](const Rung& rung) { return rung.result == Rung::Result::kFailed; });
+        result.rungs, [](const lab::Rung& rung) { return rung.result == lab::Rung::Result::kFailed; });
     return failed ? 1 : 0;
-  } catch (const Stopped&) {
-    throw Interrupted(signal, "interrupted at " + last + "; the same command continues before this rung");
+  } catch (const lab::Stopped&) {
+    throw tools::Interrupted(signal, "interrupted at " + last + "; the same command continues before this rung");
   }
 }
 
@@ -54,7 +54,7 @@ int climb(BringUpArguments arguments) {
 
 void add_bring_up_command(CLI::App& program, Invocation& invocation) {
   auto arguments = std::make_shared<BringUpArguments>();
-  BringUpOptions& options = arguments->options;
+  lab::BringUpOptions& options = arguments->options;
   options.jobs = simulation::core_count();
   CLI::App* command =
       program.add_subcommand("bring-up", "From the model of a robot to one that stands and walks");
@@ -90,9 +90,9 @@ void add_bring_up_command(CLI::App& program, Invocation& invocation) {
   command->add_flag("--restart", options.restart, "Begin anew, whatever an earlier call has reached");
   command->add_option("--until", options.until, "The last rung to try")
       ->type_name("RUNG")
-      ->check(CLI::IsMember(rung_names()));
+      ->check(CLI::IsMember(lab::rung_names()));
   add_jobs_option(*command, options.jobs);
   command->callback([arguments, &invocation] { invocation.exit_status = climb(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -20,7 +20,7 @@
 #include "lab/cluster/scripts.h"
 #include "tools/run/exit_status.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -47,14 +47,14 @@ fs::path this_program() { return fs::read_symlink("/proc/self/exe"); }
 
 // Calls the command of a folder's shards in this program, in the directory in which it was submitted, which
 // another machine may not have.
-ChildResult call(const JobFile& job, const fs::path& folder, const std::vector<std::string>& more,
-                 ChildOutput output) {
+lab::ChildResult call(const lab::JobFile& job, const fs::path& folder, const std::vector<std::string>& more,
+                 lab::ChildOutput output) {
   std::vector<std::string> arguments{this_program().string()};
   arguments.insert(arguments.end(), job.command.begin(), job.command.end());
   arguments.insert(arguments.end(), {"--out", fs::absolute(folder).lexically_normal().string()});
   arguments.insert(arguments.end(), more.begin(), more.end());
   std::fflush(stdout);
-  return run_child(arguments, output, "this program",
+  return lab::run_child(arguments, output, "this program",
                    fs::is_directory(job.directory) ? job.directory : fs::path());
 }
 
@@ -65,7 +65,7 @@ std::vector<std::string> lab_command_of(std::vector<std::string> words) {
   if (words.empty() || std::ranges::find(kShared, words.front()) == kShared.end())
     throw InputError("koboshi lab submit", 0, words.empty() ? "no command" : one_line(words.front()),
                      "experiment or tune with their options, after those of submit");
-  if (job_command(words) != words)
+  if (lab::job_command(words) != words)
     throw InputError("koboshi lab submit", 0, "--out, --jobs, --budget-s or --shard in the command",
                      "--out and --jobs before it");
   return words;
@@ -79,11 +79,11 @@ std::string slurm_job_of(const fs::path& folder) {
 
 // "3 running, 2 pending"; empty if the queue does not have the job. Throws InputError without Slurm.
 std::string states_of(const std::string& job) {
-  static_cast<void>(run_child({"squeue", "--version"}, ChildOutput::kCaptured, kSlurm));
+  static_cast<void>(lab::run_child({"squeue", "--version"}, lab::ChildOutput::kCaptured, kSlurm));
   // A job that has ended long ago is an error of squeue.
-  const ChildResult listed =
-      run_child({"sh", "-c", "exec squeue --noheader --array --format=%T --jobs=\"$0\" 2>/dev/null", job},
-                ChildOutput::kCaptured, kSlurm);
+  const lab::ChildResult listed =
+      lab::run_child({"sh", "-c", "exec squeue --noheader --array --format=%T --jobs=\"$0\" 2>/dev/null", job},
+                lab::ChildOutput::kCaptured, kSlurm);
   std::map<std::string, int> counts;
   std::istringstream in(listed.output);
   for (std::string state; std::getline(in, state);) ++counts[state];
@@ -95,7 +95,7 @@ std::string states_of(const std::string& job) {
   return text;
 }
 
-int submit_to_slurm(const ScriptSetup& setup, const std::string& incomplete,
+int submit_to_slurm(const lab::ScriptSetup& setup, const std::string& incomplete,
                     const SubmitArguments& arguments) {
   if (const std::string job = slurm_job_of(setup.folder); !job.empty()) {
     if (const std::string states = states_of(job); !states.empty())
@@ -103,11 +103,11 @@ int submit_to_slurm(const ScriptSetup& setup, const std::string& incomplete,
                        "the end of that job, or scancel " + job);
   }
   const fs::path script = setup.folder / "submit.sbatch";
-  write_whole_file(script, slurm_script(setup, arguments.sbatch));
-  const std::string array = ranges_text(incomplete);
-  const ChildResult submitted = run_child({"sbatch", "--parsable", "--array=" + array, script.string()},
-                                          ChildOutput::kCaptured, kSlurm);
-  if (submitted.status != 0) return kFailed;  // sbatch has said why
+  write_whole_file(script, lab::slurm_script(setup, arguments.sbatch));
+  const std::string array = lab::ranges_text(incomplete);
+  const lab::ChildResult submitted = lab::run_child({"sbatch", "--parsable", "--array=" + array, script.string()},
+                                          lab::ChildOutput::kCaptured, kSlurm);
+  if (submitted.status != 0) return tools::kFailed;  // sbatch has said why
   const std::string job = submitted.output.substr(0, submitted.output.find_first_of(";\n"));
   write_whole_file(setup.folder / kSubmitted, nlohmann::ordered_json{{"slurm_job", job}}.dump() + "\n");
   fmt::print("job {} plays the shards {}; koboshi lab status {}\n", job, array, arguments.out.string());
@@ -115,31 +115,31 @@ int submit_to_slurm(const ScriptSetup& setup, const std::string& incomplete,
 }
 
 // Waits until the shards are played.
-int run_parallel(const ScriptSetup& setup, const std::string& incomplete, const SubmitArguments& arguments) {
+int run_parallel(const lab::ScriptSetup& setup, const std::string& incomplete, const SubmitArguments& arguments) {
   const fs::path log = setup.folder / "parallel.joblog";
   if (fs::exists(log)) {
     std::set<std::string> shards;
     std::istringstream in(incomplete);
     for (std::string number; std::getline(in, number, ',');) shards.insert(number);
-    write_whole_file(log, without_shards(lab_text_of(log), shards));
+    write_whole_file(log, lab::without_shards(lab_text_of(log), shards));
   }
   const fs::path script = setup.folder / "parallel.sh";
-  write_whole_file(script, parallel_script(setup, arguments.parallel));
-  static_cast<void>(run_child({"parallel", "--version"}, ChildOutput::kCaptured, kParallel));
-  const int failed = run_child({"sh", script.string()}, ChildOutput::kShown, kParallel).status;
+  write_whole_file(script, lab::parallel_script(setup, arguments.parallel));
+  static_cast<void>(lab::run_child({"parallel", "--version"}, lab::ChildOutput::kCaptured, kParallel));
+  const int failed = lab::run_child({"sh", script.string()}, lab::ChildOutput::kShown, kParallel).status;
   if (failed == 0) return 0;
   fmt::print("parallel ended with status {}; parallel.joblog names the shards that failed\n", failed);
-  return kFailed;
+  return tools::kFailed;
 }
 
 int submit(const SubmitArguments& arguments, const std::vector<std::string>& words) {
   if (arguments.slurm == !arguments.parallel.empty())
     throw InputError("koboshi lab submit", 0, arguments.slurm ? "--slurm and --parallel" : "neither",
                      "one of --slurm and --parallel HOSTS");
-  const JobFile job{.command = lab_command_of(words), .directory = fs::current_path()};
+  const lab::JobFile job{.command = lab_command_of(words), .directory = fs::current_path()};
   const std::string shard = fmt::format("1/{}", arguments.shards);
-  const ChildResult plan =
-      call(job, arguments.out, {"--shards", "plan", "--shard", shard}, ChildOutput::kCaptured);
+  const lab::ChildResult plan =
+      call(job, arguments.out, {"--shards", "plan", "--shard", shard}, lab::ChildOutput::kCaptured);
   if (plan.status != 0) return plan.status;  // one line has said why
   const std::string incomplete = plan.output.substr(0, plan.output.find('\n'));
   if (incomplete.empty()) {
@@ -147,13 +147,13 @@ int submit(const SubmitArguments& arguments, const std::vector<std::string>& wor
                arguments.out.string());
     return 0;
   }
-  const ScriptSetup setup{this_program(),
+  const lab::ScriptSetup setup{this_program(),
                           fs::canonical(arguments.out),
-                          read_job(arguments.out).directory,
+                          lab::read_job(arguments.out).directory,
                           job.command,
                           arguments.shards,
                           arguments.jobs};
-  write_whole_file(setup.folder / "shard.sh", shard_script(setup));
+  write_whole_file(setup.folder / "shard.sh", lab::shard_script(setup));
   return arguments.slurm ? submit_to_slurm(setup, incomplete, arguments)
                          : run_parallel(setup, incomplete, arguments);
 }
@@ -172,7 +172,7 @@ void add_submit_command(CLI::App& lab, Invocation& invocation) {
       "  koboshi lab submit --parallel 2/localhost --shards 4 --out runs/small experiment terrain --seeds "
       "20\n");
   command->add_option("-o,--out", arguments->out, "Folder of the shards")->required();
-  add_number(*command, "--shards", arguments->shards, 1, kMaxShards, "Parts of the work");
+  add_number(*command, "--shards", arguments->shards, 1, lab::kMaxShards, "Parts of the work");
   add_number(*command, "--jobs", arguments->jobs, 1, 1024, "Cores of a shard");
   command->add_flag("--slurm", arguments->slurm, "Submit a job array with sbatch");
   command
@@ -187,7 +187,7 @@ void add_submit_command(CLI::App& lab, Invocation& invocation) {
 }
 
 int show_status(const fs::path& folder) {
-  const int status = call(read_job(folder), folder, {"--shards", "status"}, ChildOutput::kShown).status;
+  const int status = call(lab::read_job(folder), folder, {"--shards", "status"}, lab::ChildOutput::kShown).status;
   if (const std::string job = slurm_job_of(folder); !job.empty()) {
     const std::string states = states_of(job);
     fmt::print("Slurm job {}: {}\n", job, states.empty() ? "not in the queue" : states);
@@ -221,8 +221,8 @@ void add_lab_command(CLI::App& program, Invocation& invocation) {
       "  koboshi lab collect runs/wide\n")
       ->callback([folder, &invocation] {
         invocation.exit_status =
-            call(read_job(*folder), *folder, {"--shards", "merge"}, ChildOutput::kShown).status;
+            call(lab::read_job(*folder), *folder, {"--shards", "merge"}, lab::ChildOutput::kShown).status;
       });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

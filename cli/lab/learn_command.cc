@@ -11,27 +11,27 @@
 #include "simulation/scenario/paths.h"
 #include "simulation/scenario/scenario.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct LearnArguments {
   std::filesystem::path study;
-  TrainingOptions options;
+  lab::TrainingOptions options;
   std::string stepper;
   std::string robot;
 };
 
 void learn(const LearnArguments& arguments) {
-  const LearningStudy study =
-      read_learning_study(simulation::find_input(simulation::InputKind::kLearningStudy, arguments.study));
-  TrainingOptions options = arguments.options;
+  const lab::LearningStudy study =
+      lab::read_learning_study(simulation::find_input(simulation::InputKind::kLearningStudy, arguments.study));
+  lab::TrainingOptions options = arguments.options;
   if (!arguments.stepper.empty())
     options.overrides.push_back({"physics.stepper", arguments.stepper, "--stepper"});
   if (!arguments.robot.empty()) options.overrides.push_back(simulation::robot_override(arguments.robot));
   if (options.out.empty()) options.out = "runs/learn" / arguments.study.stem();
-  const TrainingResult result = [&] {
+  const lab::TrainingResult result = [&] {
     const ProgressLine line;
-    return train(study, options, [&](const TrainingProgress& now) {
+    return lab::train(study, options, [&](const lab::TrainingProgress& now) {
       line.show(
           fmt::format("generation {} of {}, stage {}: reward {:.4f}, {:.0f} % survive; validation {:.4f}, "
                       "best {:.4f} of generation {}",
@@ -74,4 +74,4 @@ void add_learn_command(CLI::App& program, Invocation&) {
   command->callback([arguments] { learn(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -19,7 +19,7 @@
 #include "simulation/record/summary.h"
 #include "simulation/scenario/paths.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -41,18 +41,18 @@ void check_file(const fs::path& file) {
   if (!fs::is_directory(folder)) throw InputError(file, 0, "no folder to write it in", "one that exists");
 }
 
-bool is_lost(const std::vector<Metric>& metrics, const Record& record) {
+bool is_lost(const std::vector<lab::Metric>& metrics, const lab::Record& record) {
   for (std::size_t i = 0; i < metrics.size(); ++i)
     if (metrics[i].is_loss && record.values[i].value_or(0.0) != 0.0) return true;
   return !record.error.empty();
 }
 
 // The same experiment, which keeps a recording of each lost trial in the folder: CELL-SEED.mcap.
-Experiment recorded(Experiment experiment, const fs::path& folder) {
+lab::Experiment recorded(lab::Experiment experiment, const fs::path& folder) {
   experiment.play = [play = experiment.play, metrics = experiment.metrics, cells = experiment.cells, folder](
                         std::size_t cell, std::uint64_t seed) {
-    TrialRecordings recordings(folder / fmt::format("{}-{}", cells[cell].name, seed));
-    Record record = play(cell, seed);
+    lab::TrialRecordings recordings(folder / fmt::format("{}-{}", cells[cell].name, seed));
+    lab::Record record = play(cell, seed);
     if (is_lost(metrics, record)) recordings.keep();
     return record;
   };
@@ -60,62 +60,62 @@ Experiment recorded(Experiment experiment, const fs::path& folder) {
 }
 
 // With --shards plan, status or merge, and with --shard.
-JobFile job_of(const Experiment& experiment, const SessionOptions& session, const Invocation& invocation) {
-  return {job_command(invocation.arguments), fs::current_path(), session.shards.count(session.out),
+lab::JobFile job_of(const lab::Experiment& experiment, const SessionOptions& session, const Invocation& invocation) {
+  return {lab::job_command(invocation.arguments), fs::current_path(), session.shards.count(session.out),
           experiment.inputs};
 }
 
 // Plays a shard and prints how far it is.
-void play_one_shard(const Experiment& experiment, const SessionOptions& session) {
-  const Shard shard = session.shards.shard.value();
+void play_one_shard(const lab::Experiment& experiment, const SessionOptions& session) {
+  const lab::Shard shard = session.shards.shard.value();
   const ProgressLine line;
-  ShardOptions options{
+  lab::ShardOptions options{
       .jobs = session.jobs,
       .refresh_after = std::chrono::duration<double>(0.5 * static_cast<double>(shard.count))};
   if (session.budget_s > 0.0) options.budget = std::chrono::duration<double>(session.budget_s);
-  options.progress = [&line](const ShardProgress& progress) {
+  options.progress = [&line](const lab::ShardProgress& progress) {
     line.show(fmt::format("{} of {} trials", progress.finished, progress.finished + progress.remaining));
   };
-  const ShardProgress progress =
-      play_shard(session.record_lost.empty() ? experiment : recorded(experiment, session.record_lost),
+  const lab::ShardProgress progress =
+      lab::play_shard(session.record_lost.empty() ? experiment : recorded(experiment, session.record_lost),
                  session.out, shard, options);
   fmt::print("shard {} of {}: {} trials{}\n", shard.number, shard.count, progress.finished,
              progress.is_complete() ? "" : fmt::format(", {} to go", progress.remaining));
 }
 
-std::vector<ShardProgress> progress_of_shards(const Experiment& experiment, const SessionOptions& session,
+std::vector<lab::ShardProgress> progress_of_shards(const lab::Experiment& experiment, const SessionOptions& session,
                                               std::size_t count) {
-  ShardedTrials trials(experiment, session.out, count);
+  lab::ShardedTrials trials(experiment, session.out, count);
   trials.refresh();
-  std::vector<ShardProgress> progress;
+  std::vector<lab::ShardProgress> progress;
   for (std::size_t i = 1; i <= count; ++i) progress.push_back(trials.progress(i));
   return progress;
 }
 
-ExperimentResult play(const Experiment& experiment, const SessionOptions& session) {
+lab::ExperimentResult play(const lab::Experiment& experiment, const SessionOptions& session) {
   check_folder(session.out);
   check_file(session.json);
   check_file(session.page);
   fs::create_directories(session.out);
   const ProgressLine line;
-  ExperimentOptions options{.log = session.out / kLogName, .jobs = session.jobs};
+  lab::ExperimentOptions options{.log = session.out / kLogName, .jobs = session.jobs};
   if (session.budget_s > 0.0) options.budget = std::chrono::duration<double>(session.budget_s);
-  options.progress = [&line](const ExperimentProgress& progress) {
+  options.progress = [&line](const lab::ExperimentProgress& progress) {
     const double played_min = progress.wall_s / 60.0;
     const double share = static_cast<double>(progress.done) / static_cast<double>(progress.total);
     line.show(fmt::format("{} of {} trials, {:.1f} min, at most {:.1f} min to go", progress.done,
                           progress.total, played_min, played_min * (1.0 / share - 1.0)));
   };
-  return play_experiment(session.record_lost.empty() ? experiment : recorded(experiment, session.record_lost),
+  return lab::play_experiment(session.record_lost.empty() ? experiment : recorded(experiment, session.record_lost),
                          options);
 }
 
 // Draws the figure in the folder of the results and copies it beside the page. Returns Markdown that shows it
 // there; empty without a page or a figure.
-std::string draw_figure(const PlaneFigure& figure, const SessionOptions& session) {
+std::string draw_figure(const tools::PlaneFigure& figure, const SessionOptions& session) {
   try {
-    draw(figure, session.out / "figure");
-  } catch (const PlotError& error) {
+    tools::draw(figure, session.out / "figure");
+  } catch (const tools::PlotError& error) {
     print_error("koboshi: no figure: {}\n", error.what());
     return {};
   }
@@ -127,10 +127,10 @@ std::string draw_figure(const PlaneFigure& figure, const SessionOptions& session
 }
 
 // Likewise for the figures of small multiples.
-std::string draw_grid(const NamedGrid& named, const SessionOptions& session) {
+std::string draw_grid(const lab::NamedGrid& named, const SessionOptions& session) {
   try {
-    draw(named.grid, session.out / named.name);
-  } catch (const PlotError& error) {
+    tools::draw(named.grid, session.out / named.name);
+  } catch (const tools::PlotError& error) {
     print_error("koboshi: no figure: {}\n", error.what());
     return {};
   }
@@ -142,12 +142,12 @@ std::string draw_grid(const NamedGrid& named, const SessionOptions& session) {
 }
 
 // The table with the command that made it, the remarks and the figures, as a section of the page.
-void write_page(const Experiment& experiment, const SessionOptions& session, const std::string& command_line,
+void write_page(const lab::Experiment& experiment, const SessionOptions& session, const std::string& command_line,
                 const std::string& table, const std::string& remarks, const std::string& figures) {
   std::string text = fmt::format("\n```console not-run\n$ {}\n```\n\n{}", command_line, table);
   if (!remarks.empty()) text += "\n```\n" + remarks + "```\n";
   if (!figures.empty()) text += "\n" + figures;
-  write_section(session.page, experiment.title, session.section, text + "\n");
+  lab::write_section(session.page, experiment.title, session.section, text + "\n");
 }
 
 }  // namespace
@@ -162,7 +162,7 @@ void add_jobs_option(CLI::App& command, std::size_t& jobs) {
       ->check(CLI::Range(1, 1024));
 }
 
-void add_session_options(CLI::App& command, ExperimentSetup& setup, SessionOptions& session) {
+void add_session_options(CLI::App& command, lab::ExperimentSetup& setup, SessionOptions& session) {
   add_number(command, "--seeds", setup.seeds, 1, 1'000'000, "Seeds that each cell is played with");
   command.add_option("--first-seed", setup.first_seed, "The first of them")->capture_default_str();
   add_stepper_option(command, session.stepper, "Stepper of the physics in all cells, as in koboshi run");
@@ -186,7 +186,7 @@ void add_session_options(CLI::App& command, ExperimentSetup& setup, SessionOptio
   command.add_option("--section", session.section, "Section of the page that they replace")->needs(page);
 }
 
-void add_disturbance_options(CLI::App& command, GyroFeedbackOptions& options) {
+void add_disturbance_options(CLI::App& command, lab::GyroFeedbackOptions& options) {
   CLI::Option* disturbed =
       command.add_flag("--disturbed", options.disturbed, "Push the trunk, on soft ground");
   add_number(command, "--push", options.push_N_s, 0.0, 10.0, "Strongest push of the disturbed form, in N s")
@@ -211,14 +211,14 @@ void ProgressLine::show(const std::string& text) const {
   std::fflush(stderr);
 }
 
-void conduct(const Experiment& experiment, SessionOptions session, Invocation& invocation,
+void conduct(const lab::Experiment& experiment, SessionOptions session, Invocation& invocation,
              const DrawFigures& draw_figures) {
   if (session.out.empty()) session.out = fs::path("runs") / experiment.name;
   if (session.section.empty()) session.section = experiment.name;
   std::string command_line = invocation.command_line;
   if (session.shards.is_used()) {
-    const JobFile job = job_of(experiment, session, invocation);
-    keep_job(session.out, job);
+    const lab::JobFile job = job_of(experiment, session, invocation);
+    lab::keep_job(session.out, job);
     if (!session.shards.is_merge()) {
       if (session.shards.action.empty()) {
         play_one_shard(experiment, session);
@@ -231,27 +231,27 @@ void conduct(const Experiment& experiment, SessionOptions session, Invocation& i
     command_line = job.command_line();
   }
   if (!experiment.warning.empty()) warn(experiment.warning);
-  const ExperimentResult result =
+  const lab::ExperimentResult result =
       session.shards.is_used()
-          ? merge_shards(experiment, session.out, session.shards.count(session.out), session.out / kLogName)
+          ? lab::merge_shards(experiment, session.out, session.shards.count(session.out), session.out / kLogName)
           : play(experiment, session);
-  const Conclusions conclusions =
-      experiment.conclude ? experiment.conclude(experiment, result) : Conclusions{};
-  nlohmann::ordered_json json = to_json(experiment, result);
+  const lab::Conclusions conclusions =
+      experiment.conclude ? experiment.conclude(experiment, result) : lab::Conclusions{};
+  nlohmann::ordered_json json = lab::to_json(experiment, result);
   json.update(conclusions.values);
-  write_whole_file(session.out / "trials.csv", to_csv(experiment, result));
+  write_whole_file(session.out / "trials.csv", lab::to_csv(experiment, result));
   simulation::write_json(session.out / "result.json", json);
   if (!session.json.empty()) simulation::write_json(session.json, json);
   const auto table = [&](TableStyle style) {
-    return conclusions.table ? conclusions.table(style) : result_table(experiment, result, style);
+    return conclusions.table ? conclusions.table(style) : lab::result_table(experiment, result, style);
   };
-  const std::string remarks = conclusions.lines + notes(experiment, result);
+  const std::string remarks = conclusions.lines + lab::notes(experiment, result);
   fmt::print("{}{}results in {}\n", table(TableStyle::kTerminal), remarks, session.out.string());
   std::string figures = draw_figures ? draw_figures(session) : "";
   if (conclusions.figure) figures += draw_figure(*conclusions.figure, session);
-  for (const NamedGrid& named : conclusions.grids) figures += draw_grid(named, session);
+  for (const lab::NamedGrid& named : conclusions.grids) figures += draw_grid(named, session);
   if (session.page.empty()) return;
   write_page(experiment, session, command_line, table(TableStyle::kMarkdown), remarks, figures);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -14,7 +14,7 @@
 #include "lab/catalogue/gyro_feedback.h"
 #include "lab/experiment/report.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 
 // Options of every experiment beside its setup.
 struct SessionOptions {
@@ -40,11 +40,11 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, Number& valu
   return command.add_option(name, value, help)->check(CLI::Range(low, high))->capture_default_str();
 }
 
-void add_session_options(CLI::App& command, ExperimentSetup& setup, SessionOptions& session);
+void add_session_options(CLI::App& command, lab::ExperimentSetup& setup, SessionOptions& session);
 void add_stepper_option(CLI::App& command, std::string& stepper, const std::string& help);
 void add_jobs_option(CLI::App& command, std::size_t& jobs);
 // Adds --disturbed and --push, to whatever plays the worlds of the gyro-feedback experiment.
-void add_disturbance_options(CLI::App& command, GyroFeedbackOptions& options);
+void add_disturbance_options(CLI::App& command, lab::GyroFeedbackOptions& options);
 
 // The overrides of --duration, --stepper and --set.
 [[nodiscard]] std::vector<Override> overrides_of(const SessionOptions& session);
@@ -66,7 +66,7 @@ using DrawFigures = std::function<std::string(const SessionOptions&)>;
 // Plays an experiment with finished trials in trials.jsonl in the folder, prints the table, and leaves
 // trials.csv, result.json, figure.png and what --json and --page ask for. With --shard or --shards, does what
 // they say; a merge leaves the same files. Throws InputError.
-void conduct(const Experiment& experiment, SessionOptions session, Invocation& invocation,
+void conduct(const lab::Experiment& experiment, SessionOptions session, Invocation& invocation,
              const DrawFigures& draw_figures);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -17,12 +17,12 @@
 #include "simulation/scenario/paths.h"
 #include "simulation/scenario/reader.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct TuneArguments {
   std::filesystem::path study;
-  StudyOptions options;
+  lab::StudyOptions options;
   std::string search = "cma-es";
   std::string stepper;
   std::string robot;
@@ -30,7 +30,7 @@ struct TuneArguments {
 };
 
 struct TuneGaitArguments {
-  GaitSearchOptions options;
+  lab::GaitSearchOptions options;
   int points = 8;
   std::string feedback = "on";
   std::string duration = "10";
@@ -39,7 +39,7 @@ struct TuneGaitArguments {
   std::filesystem::path result;
 };
 
-void add_search_options(CLI::App& command, SearchOptions& options, std::size_t min_evaluations,
+void add_search_options(CLI::App& command, lab::SearchOptions& options, std::size_t min_evaluations,
                         std::string& stepper, std::string& robot) {
   add_number(command, "--evaluations", options.evaluations, min_evaluations, 1'000'000,
              "Candidates that are tried");
@@ -60,33 +60,33 @@ auto show_search(const std::string& label, const std::string& unit, const std::f
                  const Run& run) {
   const auto result = [&] {
     const ProgressLine line;
-    return run([&](const SearchProgress& progress) {
+    return run([&](const lab::SearchProgress& progress) {
       line.show(fmt::format("{} of {} evaluations, {}{:.4f}{}, best {:.4f}{}", progress.done, progress.total,
                             label, progress.score, unit, progress.best, unit));
     });
   }();
   for (const auto& [path, value] : result.numbers) fmt::print("{}: {}\n", path, value);
-  fmt::print("{}{}", infeasible_text(result.infeasible, result.evaluations), result.lost);
+  fmt::print("{}{}", lab::infeasible_text(result.infeasible, result.evaluations), result.lost);
   fmt::print("{}{:.4f}{} on the seeds that it was tuned on; results in {}\n", label, result.score, unit,
              out.string());
   return result;
 }
 
 // What --shard and --shards say.
-void tune_in_shards(const Study& study, const StudyOptions& options, const ShardArguments& shards,
+void tune_in_shards(const lab::Study& study, const lab::StudyOptions& options, const ShardArguments& shards,
                     Invocation& invocation) {
   const std::size_t count = shards.count(options.out);
-  keep_job(options.out, {job_command(invocation.arguments), std::filesystem::current_path(), count,
-                         study_inputs(study, options)});
+  lab::keep_job(options.out, {lab::job_command(invocation.arguments), std::filesystem::current_path(), count,
+                         lab::study_inputs(study, options)});
   if (shards.is_merge()) {
     show_search("score ", "", options.out,
-                [&](const ShowProgress& show) { return merge_study(study, options, count, show); });
+                [&](const lab::ShowProgress& show) { return lab::merge_study(study, options, count, show); });
   } else if (!shards.action.empty()) {
-    invocation.exit_status = show_shards(shards, study_progress(study, options, count));
+    invocation.exit_status = show_shards(shards, lab::study_progress(study, options, count));
   } else {
     const ProgressLine line;
-    const SearchResult result =
-        play_study_shard(study, options, *shards.shard, [&line](const SearchProgress& progress) {
+    const lab::SearchResult result =
+        lab::play_study_shard(study, options, *shards.shard, [&line](const lab::SearchProgress& progress) {
           line.show(fmt::format("{} of {} evaluations", progress.done, progress.total));
         });
     fmt::print("shard {} of {}: the search has ended after {} evaluations\n", shards.shard->number, count,
@@ -95,9 +95,9 @@ void tune_in_shards(const Study& study, const StudyOptions& options, const Shard
 }
 
 void tune(const TuneArguments& arguments, Invocation& invocation) {
-  const Study study = read_study(simulation::find_input(simulation::InputKind::kStudy, arguments.study));
-  StudyOptions options = arguments.options;
-  options.method = arguments.search == "cma-es" ? Method::kCmaEs : Method::kNsga2;
+  const lab::Study study = lab::read_study(simulation::find_input(simulation::InputKind::kStudy, arguments.study));
+  lab::StudyOptions options = arguments.options;
+  options.method = arguments.search == "cma-es" ? lab::Method::kCmaEs : lab::Method::kNsga2;
   if (!arguments.stepper.empty())
     options.overrides.push_back({"physics.stepper", arguments.stepper, "--stepper"});
   if (!arguments.robot.empty()) options.overrides.push_back(simulation::robot_override(arguments.robot));
@@ -105,11 +105,11 @@ void tune(const TuneArguments& arguments, Invocation& invocation) {
   warn_of_left_out(simulation::read_scenario(study.scenario, options.overrides));
   if (arguments.shards.is_used()) return tune_in_shards(study, options, arguments.shards, invocation);
   show_search("score ", "", options.out,
-              [&](const ShowProgress& show) { return search_study(study, options, show); });
+              [&](const lab::ShowProgress& show) { return lab::search_study(study, options, show); });
 }
 
 void tune_gait(const TuneGaitArguments& arguments) {
-  GaitSearchOptions options = arguments.options;
+  lab::GaitSearchOptions options = arguments.options;
   options.experiment.scenario =
       simulation::find_input(simulation::InputKind::kScenario, options.experiment.scenario);
   options.start = simulation::find_input(simulation::InputKind::kGait, options.start);
@@ -118,9 +118,9 @@ void tune_gait(const TuneGaitArguments& arguments) {
   options.experiment.overrides =
       overrides_of({.duration = arguments.duration, .stepper = arguments.stepper, .robot = arguments.robot});
   if (options.out.empty())
-    options.out = "runs/tune-gait/" + gyro_feedback_cell(arguments.points, arguments.feedback == "on");
-  const GaitSearchResult result = show_search(
-      "", " m/s", options.out, [&](const ShowProgress& show) { return search_gait(options, show); });
+    options.out = "runs/tune-gait/" + lab::gyro_feedback_cell(arguments.points, arguments.feedback == "on");
+  const lab::GaitSearchResult result = show_search(
+      "", " m/s", options.out, [&](const lab::ShowProgress& show) { return lab::search_gait(options, show); });
   if (!arguments.result.empty()) write_whole_file(arguments.result, result.text);
 }
 
@@ -156,7 +156,7 @@ void add_tune_command(CLI::App& program, Invocation& invocation) {
 
 void add_tune_gait_command(CLI::App& experiment) {
   auto arguments = std::make_shared<TuneGaitArguments>();
-  GaitSearchOptions& options = arguments->options;
+  lab::GaitSearchOptions& options = arguments->options;
   options.start = "robots/koboshi/gait.yaml";
   options.evaluations = 150;
   CLI::App* command = experiment.add_subcommand(
@@ -188,4 +188,4 @@ void add_tune_gait_command(CLI::App& experiment) {
   command->callback([arguments] { tune_gait(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -2,9 +2,9 @@
 
 #include <CLI/CLI.hpp>
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 
 // Adds `tune-gait` to `koboshi experiment`.
 void add_tune_gait_command(CLI::App& experiment);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

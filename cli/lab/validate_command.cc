@@ -19,7 +19,7 @@
 #include "simulation/record/summary.h"
 #include "simulation/scenario/paths.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 struct ValidateArguments {
   std::string stepper = sim_board::stepper_names().front();
   double step_ms = 1.0;
-  ValidationSetup setup;
+  lab::ValidationSetup setup;
   std::vector<std::string> only;
   fs::path out = "runs/validate";
   fs::path page;
@@ -47,56 +47,56 @@ void check_arguments(const ValidateArguments& arguments) {
 }
 
 // Prints why figures cannot be drawn, and then returns false.
-bool draw_all(const std::vector<ValidationResult>& results, const fs::path& folder) {
+bool draw_all(const std::vector<lab::ValidationResult>& results, const fs::path& folder) {
   try {
-    for (const ValidationResult& result : results) draw_plots(result, folder);
+    for (const lab::ValidationResult& result : results) lab::draw_plots(result, folder);
     return true;
-  } catch (const PlotError& error) {
+  } catch (const tools::PlotError& error) {
     print_error("koboshi: {}\n", error.what());
     return false;
   }
 }
 
 // Copies the figures into a folder beside the page, with the page's name.
-void write_page(const std::vector<ValidationResult>& results, const ValidateArguments& arguments,
+void write_page(const std::vector<lab::ValidationResult>& results, const ValidateArguments& arguments,
                 const std::string& command_line) {
   const fs::path figures = arguments.page.parent_path() / arguments.page.stem();
   fs::create_directories(figures);
-  for (const ValidationResult& result : results) {
-    for (const Plot& plot : result.findings.plots) {
+  for (const lab::ValidationResult& result : results) {
+    for (const lab::Plot& plot : result.findings.plots) {
       const std::string image = plot.name + ".png";
       fs::copy_file(arguments.out / image, figures / image, fs::copy_options::overwrite_existing);
     }
   }
   const std::string date = fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr)));
-  write_section(arguments.page, "Validation", "results",
-                page_text(results, command_line, date, arguments.page.stem().string()));
+  lab::write_section(arguments.page, "Validation", "results",
+                lab::page_text(results, command_line, date, arguments.page.stem().string()));
 }
 
 int validate(ValidateArguments arguments, const std::string& command_line) {
   check_arguments(arguments);
-  ValidationSetup& setup = arguments.setup;
+  lab::ValidationSetup& setup = arguments.setup;
   setup.scenario = simulation::find_input(simulation::InputKind::kScenario, setup.scenario);
   setup.world.step_s = 1e-3 * arguments.step_ms;
   setup.world.stepper = sim_board::stepper_named(arguments.stepper).value();
-  std::vector<ValidationResult> results;
-  for (const Validation& validation : all_validations()) {
+  std::vector<lab::ValidationResult> results;
+  for (const lab::Validation& validation : lab::all_validations()) {
     if (!arguments.only.empty() && std::ranges::find(arguments.only, validation.name) == arguments.only.end())
       continue;
-    results.push_back(play(validation, setup));
-    const ValidationResult& result = results.back();
+    results.push_back(lab::play(validation, setup));
+    const lab::ValidationResult& result = results.back();
     fmt::print("{}{}\n{}", results.size() > 1 ? "\n" : "", result.validation.title,
-               check_table(result.findings.checks, TableStyle::kTerminal));
+               lab::check_table(result.findings.checks, TableStyle::kTerminal));
     std::fflush(stdout);
   }
   const OutputFolder folder(arguments.out);
-  write_whole_file(arguments.out / "checks.csv", to_csv(results));
+  write_whole_file(arguments.out / "checks.csv", lab::to_csv(results));
   const bool drawn = !setup.short_form && draw_all(results, arguments.out);
   if (drawn && !arguments.page.empty()) write_page(results, arguments, command_line);
-  if (!arguments.json.empty()) simulation::write_json(arguments.json, to_json(results, setup));
+  if (!arguments.json.empty()) simulation::write_json(arguments.json, lab::to_json(results, setup));
   simulation::write_json(arguments.out / "summary.json",
-                         to_json(results, setup));  // last: the folder is complete
-  const bool passed = std::ranges::all_of(results, &ValidationResult::passed);
+                         lab::to_json(results, setup));  // last: the folder is complete
+  const bool passed = std::ranges::all_of(results, &lab::ValidationResult::passed);
   fmt::print("\n{}; stepper {}, {} ms; results in {}\n",
              passed ? "all within tolerance" : "NOT within tolerance", arguments.stepper, arguments.step_ms,
              arguments.out.string());
@@ -110,7 +110,7 @@ void add_validate_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand("validate", "Compare the simulated physics with theory");
   std::vector<std::string> names;
   std::string list;
-  for (const Validation& validation : all_validations()) {
+  for (const lab::Validation& validation : lab::all_validations()) {
     names.push_back(validation.name);
     list += fmt::format("  {:<18} {}\n", validation.name, validation.title);
   }
@@ -145,4 +145,4 @@ Examples:
       [arguments, &invocation] { invocation.exit_status = validate(*arguments, invocation.command_line); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -10,7 +10,7 @@
 #include "tools/motion_check/check.h"
 #include "tools/motion_check/text.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct MotionCheckArguments {
@@ -22,11 +22,11 @@ struct MotionCheckArguments {
 
 void check_motions(const MotionCheckArguments& arguments, Invocation& invocation) {
   const auto robot = simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
-  MotionChecker checker(robot);
+  tools::MotionChecker checker(robot);
   for (const std::filesystem::path& motion : arguments.motions) {
-    const MotionReport report = checker.check(find_motion_file(motion, robot));
+    const tools::MotionReport report = checker.check(find_motion_file(motion, robot));
     const std::string text =
-        arguments.json ? report_json(report, checker) : report_text(report, checker, arguments.steps);
+        arguments.json ? tools::report_json(report, checker) : tools::report_text(report, checker, arguments.steps);
     fmt::print("{}", text);
     if (report.has_errors()) invocation.exit_status = 1;
   }
@@ -55,4 +55,4 @@ Examples:
   command->callback([arguments, &invocation] { check_motions(*arguments, invocation); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

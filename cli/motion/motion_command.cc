@@ -29,7 +29,7 @@
 #include "tools/motion_edit/format.h"
 #include "tools/motion_edit/mirror.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 using simulation::NamedModel;
@@ -126,7 +126,7 @@ int decompile(const MotionArguments& arguments) {
 
 // Returns the upgraded text, which must give the same image.
 std::string upgraded(const std::filesystem::path& file, const std::string& text, const NamedModel& model) {
-  const std::string changed = upgrade_motion(file, text);
+  const std::string changed = tools::upgrade_motion(file, text);
   std::vector<simulation::Diagnostic> messages;
   if (compile_text(file, text, model, messages) == compile_text(file, changed, model, messages))
     return changed;
@@ -139,7 +139,7 @@ int format(const MotionArguments& arguments) {
   if (arguments.upgrade) model = load(arguments);
   for (const std::filesystem::path& file : arguments.motions) {
     const std::string text = simulation::read_motion_text(file, read(file)).text;
-    const std::string formatted = format_motion(file, model ? upgraded(file, text, *model) : text);
+    const std::string formatted = tools::format_motion(file, model ? upgraded(file, text, *model) : text);
     if (formatted == text) continue;
     fmt::print("{}{}\n", file.string(), arguments.check ? " would change" : "");
     if (arguments.check) {
@@ -157,7 +157,7 @@ int mirror(const MotionArguments& arguments) {
   std::vector<simulation::Diagnostic> messages;
   static_cast<void>(compile_text(arguments.motion(), text, model, messages));
   const std::string mirrored =
-      mirror_motion(arguments.motion(), text, simulation::JointNames(model), arguments.name);
+      tools::mirror_motion(arguments.motion(), text, simulation::JointNames(model), arguments.name);
   // Checks the result, such as a name that is too long.
   static_cast<void>(
       compile_text(arguments.out.empty() ? arguments.motion() : arguments.out, mirrored, model, messages));
@@ -301,4 +301,4 @@ void add_motion_command(CLI::App& program, Invocation& invocation) {
   add_motion_robot_commands(*command, invocation);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -17,7 +17,7 @@
 #include "simulation/scenario/paths.h"
 #include "tools/motion_files/writers.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct MotionExportArguments {
@@ -36,8 +36,8 @@ void export_file(const MotionExportArguments& arguments) {
   const simulation::MotionSource source = simulation::parse_motion(file, model);
   static_cast<void>(
       simulation::compile_motion(source, model));  // a motion that the robot refuses is not exported
-  const ExportedMotion exported =
-      export_motion(source, *writable_format(arguments.format), robot, model, arguments.map);
+  const tools::ExportedMotion exported =
+      tools::export_motion(source, *tools::writable_format(arguments.format), robot, model, arguments.map);
   std::error_code missing;
   if (std::filesystem::equivalent(file, arguments.out, missing))
     throw InputError(arguments.out, 0, "the input as the output", "another file for the result");
@@ -64,7 +64,7 @@ Examples:
   command->add_option("MOTION", arguments->motion, "A motion's file or name")->required();
   command->add_option("--format", arguments->format, "The format of the file")
       ->required()
-      ->check(CLI::IsMember(writable_formats()))
+      ->check(CLI::IsMember(tools::writable_formats()))
       ->type_name("NAME");
   command->add_option("--robot", arguments->robot, "The robot's file or name")->capture_default_str();
   command->add_option("--map", arguments->map, "Names and numbers of the robot's joints in the file")
@@ -73,4 +73,4 @@ Examples:
   command->callback([arguments] { export_file(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

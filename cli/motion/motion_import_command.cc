@@ -22,7 +22,7 @@
 #include "tools/motion_files/joint_map.h"
 #include "tools/motion_files/readers.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct MotionImportArguments {
@@ -49,17 +49,17 @@ std::optional<int> take_page(std::string& file) {
   return static_cast<int>(*page);
 }
 
-std::string page_text(const ForeignMotion& motion) {
+std::string page_text(const tools::ForeignMotion& motion) {
   std::size_t frames = 0;
-  for (const ForeignSection& section : motion.sections) frames += section.frames.size();
+  for (const tools::ForeignSection& section : motion.sections) frames += section.frames.size();
   return fmt::format("{:4}  {:16}  {}", motion.page, motion.name, count_text(frames, "frame"));
 }
 
-const ForeignMotion& choose(const std::filesystem::path& file, const std::vector<ForeignMotion>& motions,
+const tools::ForeignMotion& choose(const std::filesystem::path& file, const std::vector<tools::ForeignMotion>& motions,
                             const std::optional<int>& page) {
   if (!page && motions.size() == 1) return motions.front();
   const auto found = std::ranges::find_if(
-      motions, [&](const ForeignMotion& motion) { return page && motion.page == *page; });
+      motions, [&](const tools::ForeignMotion& motion) { return page && motion.page == *page; });
   if (found != motions.end()) return *found;
   if (!page)
     throw InputError(file, 0, count_text(motions.size(), "page") + " with motions",
@@ -71,19 +71,19 @@ const ForeignMotion& choose(const std::filesystem::path& file, const std::vector
 int import_motion(MotionImportArguments& arguments) {
   const std::optional<int> page = take_page(arguments.file);
   const std::filesystem::path file = arguments.file;
-  const std::vector<ForeignMotion> motions = read_foreign_motions(file, read_bytes(file));
+  const std::vector<tools::ForeignMotion> motions = tools::read_foreign_motions(file, read_bytes(file));
   if (arguments.list) {
-    for (const ForeignMotion& motion : motions) fmt::print("{}\n", page_text(motion));
+    for (const tools::ForeignMotion& motion : motions) fmt::print("{}\n", page_text(motion));
     return 0;
   }
-  const ForeignMotion& motion = choose(file, motions, page);
+  const tools::ForeignMotion& motion = choose(file, motions, page);
   const std::filesystem::path robot_file =
       simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
   const sim_board::RobotDescription robot = sim_board::load_robot(robot_file);
-  ConversionOptions options{.retime = arguments.retime, .largest_clamp_rad = {}};
+  tools::ConversionOptions options{.retime = arguments.retime, .largest_clamp_rad = {}};
   if (arguments.clamp_deg) options.largest_clamp_rad = kRadPerDegree * *arguments.clamp_deg;
-  const ConvertedMotion converted =
-      convert_motion(file, motion, find_joints(file, motion, robot, arguments.map),
+  const tools::ConvertedMotion converted =
+      tools::convert_motion(file, motion, tools::find_joints(file, motion, robot, arguments.map),
                      simulation::load_named_model(robot), options);
   for (const std::string& line : converted.report) print_error("{}: {}\n", file.string(), utf8_line(line));
   if (arguments.out.empty()) {
@@ -112,8 +112,8 @@ std::filesystem::path find_motion_file(const std::filesystem::path& given,
   const std::filesystem::path file = simulation::find_motion(given, robot);
   std::error_code missing;
   if (!std::filesystem::is_regular_file(file, missing)) return file;
-  if (const auto format = recognise(read_text_file(file, "a motion file")))
-    throw InputError(file, 0, name_of(*format),
+  if (const auto format = tools::recognise(read_text_file(file, "a motion file")))
+    throw InputError(file, 0, tools::name_of(*format),
                      "a motion file: koboshi motion import " + file.string() + " makes one of it");
   return file;
 }
@@ -150,4 +150,4 @@ Examples:
   command->callback([arguments, &invocation] { invocation.exit_status = import_motion(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

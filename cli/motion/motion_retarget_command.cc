@@ -19,7 +19,7 @@
 #include "tools/motion_files/flatten.h"
 #include "tools/motion_files/retarget.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct MotionRetargetArguments {
@@ -32,12 +32,12 @@ struct MotionRetargetArguments {
 };
 
 // "koboshi: stable, least margin 12.3 mm, 6.20 s, 0 errors"
-std::string verdict_text(const std::string& robot, const MotionReport& report) {
+std::string verdict_text(const std::string& robot, const tools::MotionReport& report) {
   std::size_t errors = 0;
   for (const simulation::Diagnostic& diagnostic : report.diagnostics)
     errors += diagnostic.severity == simulation::Severity::kError ? 1 : 0;
-  std::string text = robot + ": " + std::string(kBalanceNames.at(static_cast<std::size_t>(report.balance)));
-  if (report.balance != Balance::kNotJudged)
+  std::string text = robot + ": " + std::string(tools::kBalanceNames.at(static_cast<std::size_t>(report.balance)));
+  if (report.balance != tools::Balance::kNotJudged)
     text += fmt::format(", least margin {:.1f} mm", report.least_margin_m * kMmPerM);
   return text + fmt::format(", {:.2f} s, {}\n", report.duration_s, count_text(errors, "error"));
 }
@@ -46,18 +46,18 @@ int retarget(const MotionRetargetArguments& arguments) {
   const auto from_file = simulation::find_input(simulation::InputKind::kRobot, arguments.from);
   const auto to_file = simulation::find_input(simulation::InputKind::kRobot, arguments.to);
   const auto file = find_motion_file(arguments.motion, from_file);
-  MotionChecker from(from_file);
-  MotionChecker to(to_file);
-  const MotionReport before = from.check(file);
-  const ForeignMotion motion = [&] {
-    ForeignMotion frames = flatten_motion(simulation::parse_motion(file, from.model()), from.model());
-    frames.format = MotionFormat::kOwn;
+  tools::MotionChecker from(from_file);
+  tools::MotionChecker to(to_file);
+  const tools::MotionReport before = from.check(file);
+  const tools::ForeignMotion motion = [&] {
+    tools::ForeignMotion frames = tools::flatten_motion(simulation::parse_motion(file, from.model()), from.model());
+    frames.format = tools::MotionFormat::kOwn;
     return frames;
   }();
-  ConversionOptions options{.retime = arguments.retime, .largest_clamp_rad = {}};
+  tools::ConversionOptions options{.retime = arguments.retime, .largest_clamp_rad = {}};
   if (arguments.clamp_deg) options.largest_clamp_rad = kRadPerDegree * *arguments.clamp_deg;
-  const ConvertedMotion converted = convert_motion(
-      file, motion, retarget_joints(file, motion, from.robot(), to.robot()), to.model(), options);
+  const tools::ConvertedMotion converted = tools::convert_motion(
+      file, motion, tools::retarget_joints(file, motion, from.robot(), to.robot()), to.model(), options);
   std::error_code missing;
   if (std::filesystem::equivalent(file, arguments.out, missing))
     throw InputError(arguments.out, 0, "the input as the output", "another file for the result");
@@ -66,7 +66,7 @@ int retarget(const MotionRetargetArguments& arguments) {
     throw InputError(
         file, 0, count_text(converted.too_fast, "move") + " too fast for the servos of " + to.robot().name,
         "moves that they can do (--retime gives them the time)");
-  const MotionReport after =
+  const tools::MotionReport after =
       to.check(to.compile(simulation::read_motion_text(arguments.out, converted.text)));
   write_whole_file(arguments.out, converted.text);
   fmt::print("before  {}after   {}", verdict_text(from.robot().name, before),
@@ -108,4 +108,4 @@ Example:
   command->callback([arguments, &invocation] { invocation.exit_status = retarget(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -30,7 +30,7 @@
 #include "tools/motion_remote/robot_motions.h"
 #include "tools/motion_stage/stage.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct RobotMotionArguments {
@@ -65,18 +65,18 @@ void upload(RobotMotionArguments& arguments) {
   if (const auto verdict = motion::Motion::open(image, robot.model, motion); !verdict.ok())
     throw InputError(arguments.motion, 0, simulation::describe(verdict.status), "a motion for this robot");
   const auto transport = open_can(arguments.can);
-  RobotMotions motions(*transport);
+  tools::RobotMotions motions(*transport);
   const auto number = arguments.number.empty()
                           ? motions.number_for(motion.name())
                           : static_cast<std::uint16_t>(
-                                parse_number(arguments.number, "the number", storage::kMaxMotions - 1));
+                                bus::parse_number(arguments.number, "the number", storage::kMaxMotions - 1));
   motions.upload(number, {reinterpret_cast<const std::uint8_t*>(image.data()), image.size()});
   fmt::print("{}: motion {}, {} bytes, read back the same\n", motion.name(), number, image.size());
 }
 
 void download(const RobotMotionArguments& arguments) {
   const auto transport = open_can(arguments.can);
-  RobotMotions motions(*transport);
+  tools::RobotMotions motions(*transport);
   const std::vector<std::uint8_t> image = motions.download(motions.find(arguments.which));
   const auto out = arguments.out.empty() ? std::filesystem::path(arguments.which + ".kmot") : arguments.out;
   write_whole_file(out, {reinterpret_cast<const char*>(image.data()), image.size()});
@@ -87,11 +87,11 @@ void download(const RobotMotionArguments& arguments) {
 // the file with this motion, so that its record is complete.
 int play_in_simulation(RobotMotionArguments& arguments) {
   find_inputs(arguments);
-  const MotionReport checked = MotionChecker(arguments.robot).check(arguments.motion);
+  const tools::MotionReport checked = tools::MotionChecker(arguments.robot).check(arguments.motion);
   RunArguments run = arguments.run;
   run.robot = arguments.robot.string();
   if (run.out.empty()) run.out = std::filesystem::path("runs") / arguments.motion.stem();
-  return run_and_report(run, stage_scenario(arguments.motion, checked, scenario_overrides(run)));
+  return run_and_report(run, tools::stage_scenario(arguments.motion, checked, scenario_overrides(run)));
 }
 
 // A file is played in the simulation; what is no file is a number or a name on the robot. A misspelt file is
@@ -104,7 +104,7 @@ int play(RobotMotionArguments& arguments) {
     return play_in_simulation(arguments);
   }
   const auto transport = open_can(arguments.can);
-  RobotMotions motions(*transport);
+  tools::RobotMotions motions(*transport);
   motions.play(motions.find(arguments.which));
   return 0;
 }
@@ -119,7 +119,7 @@ CLI::App* add(CLI::App& motion, const char* name, const char* text, const Argume
 
 int list_on_robot(const CanOptions& can) {
   const auto transport = open_can(can);
-  for (const RobotMotion& motion : RobotMotions(*transport).list())
+  for (const tools::RobotMotion& motion : tools::RobotMotions(*transport).list())
     fmt::print("{:3}  {:<24}  {:08x}\n", motion.number, motion.name, motion.crc32);
   return 0;
 }
@@ -166,4 +166,4 @@ Examples:
   play_command->callback([arguments, &invocation] { invocation.exit_status = play(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

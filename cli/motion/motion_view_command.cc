@@ -14,7 +14,7 @@
 #include "tools/motion_view/preview.h"
 #include "view/film/film.h"
 
-namespace koboshi::tools {
+namespace koboshi::cli {
 namespace {
 
 struct MotionViewArguments {
@@ -39,15 +39,15 @@ void find_inputs(MotionViewArguments& arguments) {
 
 void plot(MotionViewArguments& arguments) {
   find_inputs(arguments);
-  MotionChecker checker(arguments.robot);
-  plot_motion(checker.check(arguments.motion), checker, arguments.out);
+  tools::MotionChecker checker(arguments.robot);
+  tools::plot_motion(checker.check(arguments.motion), checker, arguments.out);
   fmt::print("{}\n", arguments.out.string());
 }
 
 void preview(MotionViewArguments& arguments) {
   find_inputs(arguments);
-  MotionChecker checker(arguments.robot);
-  const MotionReport report = checker.check(arguments.motion);
+  tools::MotionChecker checker(arguments.robot);
+  const tools::MotionReport report = checker.check(arguments.motion);
   view::FilmOptions& film = arguments.film;
   film.out = arguments.out;
   if (extension_of(film.out) == ".png" && film.at_s.empty() && film.instants == 0)
@@ -56,7 +56,7 @@ void preview(MotionViewArguments& arguments) {
                                       view::Overlay::kCom, view::Overlay::kSupport, view::Overlay::kLegend})
     film.overlays.add(overlay);
   film.translucent = true;
-  view::render(preview_recording(report, checker), film, [](int, int) {});
+  view::render(tools::preview_recording(report, checker), film, [](int, int) {});
   fmt::print("{}\n", arguments.out.string());
 }
 
@@ -103,4 +103,4 @@ Examples:
   command->callback([arguments] { preview(*arguments); });
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::cli

@@ -15,7 +15,7 @@
 #include "simulation/observe/run_recorder.h"
 #include "simulation/scenario/reader.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr std::uint64_t kSlice_us = 250'000;
@@ -247,4 +247,4 @@ const BenchResult* fastest_accurate(const std::vector<BenchResult>& results) {
   return fastest;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

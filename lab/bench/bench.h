@@ -10,7 +10,7 @@
 #include "sim_board/board/sim_board.h"
 #include "simulation/scenario/scenario.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A named way to solve the physics.
 struct BenchStepper {
@@ -67,4 +67,4 @@ std::vector<BenchResult> bench(const BenchOptions& options,
 // The accurate ODE stepper that is fastest in the walk; null if there is none.
 const BenchResult* fastest_accurate(const std::vector<BenchResult>& results);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

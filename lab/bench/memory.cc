@@ -11,7 +11,7 @@
 
 #include "simulation/assembly/simulation.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr int kWorlds = 8;
@@ -64,4 +64,4 @@ double memory_of_world_bytes(const simulation::Scenario& scenario) {
   return bytes;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -7,7 +7,7 @@
 
 #include "base/table/table.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -80,4 +80,4 @@ nlohmann::ordered_json bench_json(const std::vector<BenchResult>& results) {
   return json;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -6,7 +6,7 @@
 
 #include "lab/bench/bench.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A table with a line for each stepper.
 std::string bench_table(const std::vector<BenchResult>& results);
@@ -15,4 +15,4 @@ std::string bench_table(const std::vector<BenchResult>& results);
 // steppers under `steppers`, by name. docs/reference/bench.md names the keys.
 nlohmann::ordered_json bench_json(const std::vector<BenchResult>& results);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

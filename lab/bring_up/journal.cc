@@ -8,7 +8,7 @@
 #include "base/text/text.h"
 #include "lab/bring_up/robot_files.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -97,4 +97,4 @@ std::string journal_text(const Journal& journal) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

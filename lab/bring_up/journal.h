@@ -9,7 +9,7 @@
 
 #include "lab/bring_up/start_values.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A rung of the ladder from a model to a robot that walks.
 struct Rung {
@@ -54,4 +54,4 @@ struct Journal {
 // The text of the file.
 [[nodiscard]] std::string journal_text(const Journal& journal);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

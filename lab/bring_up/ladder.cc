@@ -27,7 +27,7 @@
 #include "simulation/model/abilities.h"
 #include "simulation/scenario/reader.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -289,15 +289,15 @@ class Climber {
             .cause = {}};
   }
 
-  Rung hang() { return tools::hang(*current_, play_options()); }
-  Rung stand() { return tools::stand(*current_, play_options()); }
-  Rung shift() { return tools::shift_weight(*current_, play_options()); }
-  Rung squat() { return tools::squat(*current_, play_options()); }
+  Rung hang() { return lab::hang(*current_, play_options()); }
+  Rung stand() { return lab::stand(*current_, play_options()); }
+  Rung shift() { return lab::shift_weight(*current_, play_options()); }
+  Rung squat() { return lab::squat(*current_, play_options()); }
 
   Rung march() {
-    Rung rung = tools::march(*current_, play_options());
+    Rung rung = lab::march(*current_, play_options());
     if (rung.result == Rung::Result::kReached || !searched(forward_walk(), 0.0)) return rung;
-    return tools::march(*current_, play_options());
+    return lab::march(*current_, play_options());
   }
 
   Rung walk() { return walk_by(forward_walk(), 0.5); }
@@ -340,7 +340,7 @@ class Climber {
 
   Rung fall() {
     add_motions({"fall_front", "fall_back", "fall_left", "fall_right"});
-    Rung rung = tools::protect_falls(*current_, play_options());
+    Rung rung = lab::protect_falls(*current_, play_options());
     if (rung.result == Rung::Result::kReached) rung.figure += notes_;
     return rung;
   }
@@ -350,7 +350,7 @@ class Climber {
   // Plays a motion for getting up and, where it fails, searches for a better one.
   Rung rise(const char* name, Lying lying) {
     add_motions({name, "roll_left", "roll_right"});
-    Rung rung = tools::get_up(*current_, play_options(), lying);
+    Rung rung = lab::get_up(*current_, play_options(), lying);
     const fs::path file = fs::path("motions") / (std::string(name) + ".yaml");
     const bool is_own = motions_.contains(name);
     if (rung.result == Rung::Result::kFailed && is_own) {
@@ -362,7 +362,7 @@ class Climber {
                                   },
                               .is_enough =
                                   [&](const TriedRobot& robot) {
-                                    return tools::get_up(robot, play_options(), lying).result ==
+                                    return lab::get_up(robot, play_options(), lying).result ==
                                            Rung::Result::kReached;
                                   },
                               .lying = lying,
@@ -374,7 +374,7 @@ class Climber {
       if (found.candidates > 0) current_->files()[std::string(name) + "-search.csv"] = csv_head() + found.log;
       if (found.motion) {
         current_->files()[file] = found.motion->text(kOrigin);
-        rung = tools::get_up(*current_, play_options(), lying);
+        rung = lab::get_up(*current_, play_options(), lying);
         if (rung.result == Rung::Result::kReached)
           rung.figure +=
               fmt::format(", with a motion that was searched for ({} candidates)", found.candidates);
@@ -439,8 +439,8 @@ class Climber {
   // Whether the rungs below the present one carry a robot. `measured` receives what they are.
   bool lower_rungs(const TriedRobot& robot, std::vector<Rung>* measured = nullptr) const {
     using Measure = Rung (*)(const TriedRobot&, const PlayOptions&);
-    constexpr std::array<Measure, 5> kMeasures{tools::hang, tools::stand, tools::shift_weight, tools::squat,
-                                               tools::march};
+    constexpr std::array<Measure, 5> kMeasures{lab::hang, lab::stand, lab::shift_weight, lab::squat,
+                                               lab::march};
     const PlayOptions play = play_options();
     for (std::size_t i = 0; i < kMeasures.size() && i + 1 < rung_; ++i) {
       Rung rung = kMeasures[i](robot, play);
@@ -562,4 +562,4 @@ std::string ladder_text(const BringUpResult& result) {
   return text;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -11,7 +11,7 @@
 #include "lab/bring_up/journal.h"
 #include "lab/bring_up/play.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 struct BringUpOptions {
   std::filesystem::path robot;      // the robot's file; results go to its folder
@@ -58,4 +58,4 @@ struct BringUpResult {
 // The result as a table of text.
 [[nodiscard]] std::string ladder_text(const BringUpResult& result);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

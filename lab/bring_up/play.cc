@@ -13,7 +13,7 @@
 #include "simulation/batch/parallel.h"
 #include "simulation/observe/event_words.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using behaviour::State;
@@ -254,4 +254,4 @@ LargestUse largest_use(const std::vector<Played>& all, const sim_board::RobotDes
   return largest;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -13,7 +13,7 @@
 #include "simulation/assembly/snapshot.h"
 #include "simulation/observe/watched_simulation.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // Returns false once the user has ended the program (Ctrl-C). Any thread may call it.
 using GoOn = std::function<bool()>;
@@ -95,4 +95,4 @@ struct LargestUse {
 [[nodiscard]] LargestUse largest_use(const std::vector<Played>& all, const sim_board::RobotDescription& robot,
                                      double JointUse::*member);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

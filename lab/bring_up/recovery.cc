@@ -18,7 +18,7 @@
 #include "simulation/batch/parallel.h"
 #include "simulation/observe/event_words.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using behaviour::State;
@@ -325,4 +325,4 @@ SearchedMotion search_rise(const RiseSearch& search, const RecoveryMotion& start
   return RiseOptimisation(search, start, end).run(candidates);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -10,7 +10,7 @@
 #include "lab/bring_up/rungs.h"
 #include "lab/bring_up/value_search.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // How robots lie that shall get up.
 enum class Lying { kProne, kSupine };
@@ -49,4 +49,4 @@ struct SearchedMotion {
 [[nodiscard]] SearchedMotion search_rise(const RiseSearch& search, const RecoveryMotion& start,
                                          std::optional<std::size_t> candidates, const SearchEnd& end);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

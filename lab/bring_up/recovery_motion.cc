@@ -15,7 +15,7 @@
 #include "tools/motion_files/flatten.h"
 #include "tools/motion_files/retarget.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Kind = simulation::StepSource::Kind;
@@ -43,9 +43,9 @@ RecoveryMotion RecoveryMotion::retarget(const std::string& name, const std::file
   const sim_board::RobotDescription from_robot = sim_board::load_robot(from);
   const simulation::NamedModel from_model = simulation::load_named_model(from_robot);
   const simulation::MotionSource source = simulation::parse_motion(file, from_model);
-  const JointMap map = retarget_joints(file, flatten_motion(source, from_model), from_robot, to);
+  const tools::JointMap map = tools::retarget_joints(file, tools::flatten_motion(source, from_model), from_robot, to);
   RecoveryMotion motion(name, to);
-  for (const ForeignNote& note : map.notes) motion.notes_.push_back(note.text);
+  for (const tools::ForeignNote& note : map.notes) motion.notes_.push_back(note.text);
   for (const simulation::PoseSource& pose : source.poses) {
     Pose mapped{.name = pose.name, .angles_deg = {}};
     if (pose.name == "stand") {
@@ -54,7 +54,7 @@ RecoveryMotion RecoveryMotion::retarget(const std::string& name, const std::file
     }
     for (std::size_t i = 0; pose.name != "stand" && i < pose.angles.size(); ++i) {
       if (!pose.angles[i] || !map.joints[i]) continue;
-      const MappedJoint& joint = *map.joints[i];
+      const tools::MappedJoint& joint = *map.joints[i];
       mapped.angles_deg[joint.joint] =
           motion.clamped_deg(joint.joint, joint.sign * kDegreesPerRad * fixed::to_double(*pose.angles[i]));
     }
@@ -159,4 +159,4 @@ std::string RecoveryMotion::text(const std::string& origin) const {
   return text;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -11,7 +11,7 @@
 
 #include "sim_board/description/description.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A motion by which a robot falls, rolls over or rises (motion::kMotionNames), as a list of poses.
 class RecoveryMotion {
@@ -69,4 +69,4 @@ class RecoveryMotion {
   std::vector<std::string> notes_;
 };
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -15,7 +15,7 @@
 #include "simulation/record/state_hash.h"
 #include "simulation/scenario/reader.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,4 +88,4 @@ std::string hash_of(const std::string& text) {
   return hash.hex();
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -11,7 +11,7 @@
 #include "base/yaml/yaml_tree.h"
 #include "simulation/assembly/prepared_scenario.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The first line of every file that bring-up writes contains this text, and it overwrites no other.
 inline constexpr const char* kOrigin = "Written by koboshi bring-up";
@@ -53,4 +53,4 @@ class ScratchFolder {
 // A hash of a text: 16 hexadecimal digits.
 [[nodiscard]] std::string hash_of(const std::string& text);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -12,7 +12,7 @@
 #include "sim_board/world/foot.h"
 #include "simulation/observe/event_words.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using behaviour::State;
@@ -321,4 +321,4 @@ bool walks_at(const TriedRobot& robot, const PlayOptions& options, const Walk& w
   return losses(all, State::kWalking) == 0 && mean_made_good(all, walk) >= kLeastShare * speed;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -15,7 +15,7 @@
 #include "lab/bring_up/robot_files.h"
 #include "lab/bring_up/start_values.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // How robots are played.
 struct PlayOptions {
@@ -117,4 +117,4 @@ struct TorqueLimits {
 };
 [[nodiscard]] TorqueLimits torque_limits(const sim_board::ServoDescription& servo, double low_supply_V);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -21,7 +21,7 @@
 #include "simulation/motion_language/compile/compile.h"
 #include "simulation/motion_language/parse/parse.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using simulation::ParameterSetting;
@@ -470,4 +470,4 @@ StandingPose standing_pose(const StartValues& values, const simulation::NamedMod
   }
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

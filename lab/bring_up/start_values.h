@@ -10,7 +10,7 @@
 #include "simulation/model/robot_model.h"
 #include "simulation/scenario/scenario.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The dimensions of a robot on which its walk depends, measured at joint angles zero.
 struct BodyMeasures {
@@ -85,4 +85,4 @@ struct StandingPose {
 [[nodiscard]] StandingPose standing_pose(const StartValues& values, const simulation::NamedModel& model,
                                          const std::string& origin);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -9,7 +9,7 @@
 #include "sim_board/engine/mujoco/has_mujoco.h"
 #include "sim_board/random/random_stream.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr std::size_t kPatience = 25;   // candidates without success, once all robots are carried
@@ -126,4 +126,4 @@ std::string factors_text(const StartFactors& factors) {
                      factors.com_height, factors.step_time, factors.gains, factors.trunk_pitch_deg);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -10,7 +10,7 @@
 #include "lab/bring_up/rungs.h"
 #include "lab/bring_up/start_values.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The end of a search: after a number of candidates, or at a time.
 class SearchEnd {
@@ -59,4 +59,4 @@ struct SearchedValues {
 // The engines by which a search scores, of those that this program was built with.
 [[nodiscard]] std::vector<std::string> search_engines();
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

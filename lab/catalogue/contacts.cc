@@ -13,7 +13,7 @@
 #include "lab/trial/scenario_trial.h"
 #include "sim_board/description/load.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kWalkFor_s = 2.0;    // before a drive fails, and up to a second more: any phase of a step
@@ -176,4 +176,4 @@ Experiment make_contacts(const ExperimentSetup& setup) {
   return experiment;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

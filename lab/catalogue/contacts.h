@@ -9,7 +9,7 @@
 #include "lab/trial/outcome.h"
 #include "sim_board/description/description.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // Whether the simulated contacts hold while the robot falls and rises: no surface sinks into another without
 // a force, sliding contacts obey Coulomb's law, and links do not overlap.
@@ -31,4 +31,4 @@ struct ContactsTrial {
 // overlap of every pair that never collides. Throws InputError.
 [[nodiscard]] Experiment make_contacts(const ExperimentSetup& setup);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

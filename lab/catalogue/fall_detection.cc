@@ -17,7 +17,7 @@
 #include "sim_board/random/random_stream.h"
 #include "simulation/assembly/parameters.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kWalkBefore_s = 2.0;   // before it is disturbed
@@ -342,4 +342,4 @@ Experiment make_fall_detection(const FallDetectionOptions& options) {
   return experiment;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

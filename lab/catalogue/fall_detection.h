@@ -8,7 +8,7 @@
 #include "lab/trial/commanded_walk.h"
 #include "lab/trial/outcome.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // How long before the first link other than a foot touches the ground the firmware predicts a fall, by its
 // cause; how hard trunk or head come down, with the protective motion and without; and how often it predicts
@@ -41,4 +41,4 @@ struct FallTrial {
 // InputError.
 [[nodiscard]] Experiment make_fall_detection(const FallDetectionOptions& options);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

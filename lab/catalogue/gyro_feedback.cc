@@ -12,7 +12,7 @@
 #include "simulation/scenario/paths.h"
 #include "simulation/scenario/reader.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 // The first push comes when the walk has left its starting steps behind.
@@ -135,4 +135,4 @@ Experiment make_gyro_feedback(const GyroFeedbackOptions& options) {
   return experiment;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

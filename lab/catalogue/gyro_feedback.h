@@ -9,7 +9,7 @@
 #include "lab/trial/scenario_trial.h"
 #include "simulation/scenario/scenario.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The paper's section 3: does a walk need more than four points, and what does gyro feedback do to it?
 struct GyroFeedbackOptions : ExperimentSetup {
@@ -43,4 +43,4 @@ struct GyroFeedbackOptions : ExperimentSetup {
 // Reads and checks everything. Throws InputError.
 [[nodiscard]] Experiment make_gyro_feedback(const GyroFeedbackOptions& options);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

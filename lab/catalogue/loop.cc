@@ -12,7 +12,7 @@
 #include "lab/trial/pushes.h"
 #include "lab/trial/scenario_trial.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kBegin_s = 2.5;  // from the command to the sine: the walk has left its starting steps behind
@@ -112,15 +112,15 @@ std::vector<LoopCurve> curves_of(const LoopOptions& options, const ExperimentRes
   return curves;
 }
 
-PanelGrid bode_plot(const std::vector<LoopCurve>& curves) {
-  PanelGrid grid{.title = "Open loop of the balance feedback, broken at the gyro",
+tools::PanelGrid bode_plot(const std::vector<LoopCurve>& curves) {
+  tools::PanelGrid grid{.title = "Open loop of the balance feedback, broken at the gyro",
                  .columns = 1,
                  .panel_height_px = 320,
                  .panels = {{.x_label = "frequency [Hz]", .y_label = "gain", .log_x = true, .log_y = true},
                             {.x_label = "frequency [Hz]", .y_label = "phase [deg]", .log_x = true}}};
   for (std::size_t i = 0; i < curves.size(); ++i) {
-    PlaneCurve gain{.label = curves[i].name, .style = LineStyle::kLinesPoints, .colour = static_cast<int>(i)};
-    PlaneCurve phase = gain;
+    tools::PlaneCurve gain{.label = curves[i].name, .style = tools::LineStyle::kLinesPoints, .colour = static_cast<int>(i)};
+    tools::PlaneCurve phase = gain;
     const std::vector<double> phases = unwrapped_phases_deg(curves[i].points);
     for (std::size_t j = 0; j < phases.size(); ++j) {
       gain.points.push_back({curves[i].points[j].frequency_Hz, std::abs(curves[i].points[j].gain)});
@@ -213,4 +213,4 @@ Experiment make_loop(const LoopOptions& options) {
   return experiment;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -10,7 +10,7 @@
 #include "lab/trial/loop_gain.h"
 #include "lab/trial/outcome.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // Gain and phase of the balance feedback over frequency, with the loop broken at the gyro: a sine is added to
 // the rate that the gyro senses, and compared with the rate at which the trunk answers
@@ -43,4 +43,4 @@ struct LoopTrial {
 // the seeds. Throws InputError.
 [[nodiscard]] Experiment make_loop(const LoopOptions& options);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -12,7 +12,7 @@
 #include "sim_board/description/load.h"
 #include "sim_board/random/random_stream.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 // The last push comes so long before the end that the robot can be on its feet again.
@@ -131,4 +131,4 @@ Experiment make_marathon(const MarathonOptions& options) {
   return experiment;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

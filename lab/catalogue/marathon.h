@@ -7,7 +7,7 @@
 #include "lab/trial/fall_observer.h"
 #include "lab/trial/outcome.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A long time of random commands and pushes of any size, without help: a fall that the robot does not get up
 // from and a fault end what it does, but not the clock.
@@ -31,4 +31,4 @@ struct MarathonTrial {
 // InputError.
 [[nodiscard]] Experiment make_marathon(const MarathonOptions& options);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

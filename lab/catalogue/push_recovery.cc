@@ -13,7 +13,7 @@
 #include "simulation/assembly/parameters.h"
 #include "simulation/scenario/reader.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kStand_s = 0.5;      // before it is pushed, standing;
@@ -143,8 +143,8 @@ int colour_of(const PushColumn& column) {
   return static_cast<int>((state + static_cast<std::ptrdiff_t>(states.size()) * row) % kPalette);
 }
 
-PlaneCurve ring(double radius) {
-  PlaneCurve curve{.colour = 7, .width = 0.5};
+tools::PlaneCurve ring(double radius) {
+  tools::PlaneCurve curve{.colour = 7, .width = 0.5};
   for (int i = 0; i <= 72; ++i) {
     const double angle_rad = kTurn_rad * i / 72;
     curve.points.push_back({radius * std::cos(angle_rad), radius * std::sin(angle_rad)});
@@ -152,7 +152,7 @@ PlaneCurve ring(double radius) {
   return curve;
 }
 
-PlaneFigure polar_figure(const std::vector<PushColumn>& columns) {
+tools::PlaneFigure polar_figure(const std::vector<PushColumn>& columns) {
   std::size_t fewest = kEnoughFor95Of100;
   for (const PushColumn& column : columns) {
     for (const SurvivedPush& push : column.directions)
@@ -161,13 +161,13 @@ PlaneFigure polar_figure(const std::vector<PushColumn>& columns) {
   const std::string who = fewest < kEnoughFor95Of100
                               ? fmt::format("Impulse that the weakest of {} seeds survives", fewest)
                               : "Impulses that 95 of 100 survive";
-  PlaneFigure figure{.title = who + " [N s/kg], by the direction of the push",
+  tools::PlaneFigure figure{.title = who + " [N s/kg], by the direction of the push",
                      .x_label = "to the right",
                      .y_label = "forward"};
   for (const double radius : {0.1, 0.2, 0.3, 0.4}) figure.curves.push_back(ring(radius));
   for (const PushColumn& column : columns) {
-    PlaneCurve curve{.label = column.label(),
-                     .style = column.without == kNothing ? LineStyle::kSolid : LineStyle::kDashed,
+    tools::PlaneCurve curve{.label = column.label(),
+                     .style = column.without == kNothing ? tools::LineStyle::kSolid : tools::LineStyle::kDashed,
                      .colour = colour_of(column)};
     for (const auto& [direction_rad, impulse] : column.directions) {
       curve.points.push_back(
@@ -294,4 +294,4 @@ Conclusions push_recovery_conclusions(const std::vector<PushColumn>& columns) {
   return conclusions;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

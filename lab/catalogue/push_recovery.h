@@ -12,7 +12,7 @@
 #include "lab/trial/commanded_walk.h"
 #include "lab/trial/outcome.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // How large a push against the trunk the robot survives, standing and walking in place, from all sides: a
 // half sine of 0.1 s at the trunk's centre of mass. In each seed's world and direction the largest impulse is
@@ -76,4 +76,4 @@ struct PushColumn {
 // figure shows the survived impulse over the direction of the push, forward upwards.
 [[nodiscard]] Conclusions push_recovery_conclusions(const std::vector<PushColumn>& columns);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -23,7 +23,7 @@
 #include "simulation/disturbance/disturbed_world.h"
 #include "simulation/scenario/reader.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using simulation::WorldRanges;
@@ -304,14 +304,14 @@ ShareEstimate robustness_lost(const CellResult& cell) {
 }
 
 // The share that is lost without any factor is the first point of every curve.
-GridPanel panel_of(const Factor& factor, const std::vector<RobustnessCase>& cases,
+tools::GridPanel panel_of(const Factor& factor, const std::vector<RobustnessCase>& cases,
                    const RobustnessOptions& options, const ExperimentResult& result) {
-  GridPanel panel{
-      .title = factor.name, .x_label = factor.unit, .y_label = "lost [%]", .y_span = Span{-2.0, 102.0}};
+  tools::GridPanel panel{
+      .title = factor.name, .x_label = factor.unit, .y_label = "lost [%]", .y_span = tools::Span{-2.0, 102.0}};
   const std::vector<Activity> shown = chosen(known_activities(), options.activities);
   for (std::size_t i = 0; i < shown.size(); ++i) {
-    PlaneCurve curve{.label = shown[i].name,
-                     .style = LineStyle::kLinesPoints,
+    tools::PlaneCurve curve{.label = shown[i].name,
+                     .style = tools::LineStyle::kLinesPoints,
                      .colour = static_cast<int>(i),
                      .width = 1.4};
     for (std::size_t cell = 0; cell < cases.size(); ++cell) {
@@ -329,7 +329,7 @@ GridPanel panel_of(const Factor& factor, const std::vector<RobustnessCase>& case
 Conclusions conclude(const RobustnessOptions& options, const ExperimentResult& result) {
   const std::vector<RobustnessCase> cases = cases_of(options);
   Conclusions conclusions;
-  PanelGrid grid{.title = "Trials that are lost, by the level of one factor alone", .columns = 3};
+  tools::PanelGrid grid{.title = "Trials that are lost, by the level of one factor alone", .columns = 3};
   for (const Factor& factor : chosen(known_factors(), options.factors)) {
     if (factor.name != kNone) grid.panels.push_back(panel_of(factor, cases, options, result));
   }
@@ -400,4 +400,4 @@ Experiment make_robustness(const RobustnessOptions& options) {
   return experiment;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

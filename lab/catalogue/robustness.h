@@ -8,7 +8,7 @@
 #include "lab/trial/commanded_walk.h"
 #include "lab/trial/outcome.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // Measures the cost of each disturbance alone: in each activity, one factor of the worlds
 // (docs/reference/worlds.md) is raised level by level, past the end of `harsh`, until more than a share of
@@ -49,4 +49,4 @@ struct RobustnessTrial {
 // A ladder for each activity and factor. It concludes the share lost at each level. Throws InputError.
 [[nodiscard]] Experiment make_robustness(const RobustnessOptions& options);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -19,7 +19,7 @@
 #include "sim_board/random/random_stream.h"
 #include "simulation/observe/posture.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr std::uint64_t kCommand_us = 4'000'000;  // it has settled, and its gyro is calibrated
@@ -173,4 +173,4 @@ Experiment make_stand_up(const StandUpOptions& options) {
   return experiment;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -8,7 +8,7 @@
 #include "lab/trial/fall_observer.h"
 #include "lab/trial/outcome.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // Whether the robot gets up from any pose: dropped limp with a random attitude and random joint angles, it
 // settles, and is commanded to get up. It has succeeded when it stands by itself, upright and still; the time
@@ -37,4 +37,4 @@ struct StandUpTrial {
 // robot lay prone_median_s and so on. Throws InputError.
 [[nodiscard]] Experiment make_stand_up(const StandUpOptions& options);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -9,7 +9,7 @@
 #include "lab/experiment/report.h"
 #include "lab/trial/pushes.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kTerrainPatience = 2.0;  // times the distance over the command
@@ -133,4 +133,4 @@ Experiment make_terrain(const TerrainOptions& options) {
   return experiment;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -4,7 +4,7 @@
 #include "lab/trial/commanded_walk.h"
 #include "lab/trial/scenario_trial.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The ground that the robot walks over without seeing it, at a speed that is easy on a floor: each kind of
 // ground is made harder until more than 5 of 100 seeds fall or need more than twice the time.
@@ -22,4 +22,4 @@ struct TerrainTrial : ScenarioTrial {
 // so on. Throws InputError.
 [[nodiscard]] Experiment make_terrain(const TerrainOptions& options);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

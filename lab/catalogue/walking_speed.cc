@@ -7,7 +7,7 @@
 #include "lab/experiment/ladder.h"
 #include "lab/trial/pushes.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Direction = SpeedLadder::Direction;
@@ -159,4 +159,4 @@ Conclusions walking_speed_conclusions(const Experiment& experiment, const Experi
   return conclusions;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

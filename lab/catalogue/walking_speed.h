@@ -9,7 +9,7 @@
 #include "lab/trial/commanded_walk.h"
 #include "lab/trial/scenario_trial.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // How fast the robot walks forward, backward, sideways and on the spot: in each direction the command is
 // raised until more than 5 of 100 seeds do not sustain it over the distance. Each trial begins standing, and
@@ -62,4 +62,4 @@ struct SpeedTrial {
 [[nodiscard]] Conclusions walking_speed_conclusions(const Experiment& experiment,
                                                     const ExperimentResult& result);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

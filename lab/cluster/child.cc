@@ -14,7 +14,7 @@
 
 extern char** environ;
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 std::string read_to_end(int descriptor) {
@@ -62,4 +62,4 @@ ChildResult run_child(const std::vector<std::string>& arguments, ChildOutput out
   return result;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

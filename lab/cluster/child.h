@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 struct ChildResult {
   int status = 0;        // of the exit; 128 plus the signal's number, as in shells
@@ -18,4 +18,4 @@ enum class ChildOutput { kCaptured, kShown };
 [[nodiscard]] ChildResult run_child(const std::vector<std::string>& arguments, ChildOutput output,
                                     const std::string& remedy, const std::filesystem::path& directory = {});
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -10,7 +10,7 @@
 #include "base/file/output_file.h"
 #include "base/text/error.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -98,4 +98,4 @@ void keep_job(const fs::path& folder, const JobFile& job) {
   check_same(file, read_job(folder), job);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // Describes the shards of a folder: job.json.
 struct JobFile {
@@ -31,4 +31,4 @@ struct JobFile {
 // of another build of the program.
 void keep_job(const std::filesystem::path& folder, const JobFile& job);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr const char* kWrittenBy = "# Written by koboshi lab submit.\n";
@@ -92,4 +92,4 @@ std::string without_shards(const std::string& joblog, const std::set<std::string
   return kept;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

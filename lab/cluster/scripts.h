@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The scripts that `koboshi lab submit` leaves in the folder of the shards.
 
@@ -36,4 +36,4 @@ struct ScriptSetup {
 // GNU parallel's log without the lines of these shards, which their files show to be incomplete.
 [[nodiscard]] std::string without_shards(const std::string& joblog, const std::set<std::string>& shards);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

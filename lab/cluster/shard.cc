@@ -6,7 +6,7 @@
 
 #include "base/text/text.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 bool read_count(std::string_view text, std::size_t& value) {
@@ -40,4 +40,4 @@ std::size_t shard_of(std::size_t item, std::size_t total, std::size_t count) {
   return ((item + 1) * count - 1) / total + 1;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

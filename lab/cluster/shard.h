@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // One of several programs that share the trials of an experiment or of a search, each in a file of its own.
 struct Shard {
@@ -32,4 +32,4 @@ struct ShardRange {
 // The number, from 1, of the shard of which an item is a part.
 [[nodiscard]] std::size_t shard_of(std::size_t item, std::size_t total, std::size_t count);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -10,7 +10,7 @@
 #include "lab/experiment/trial_log.h"
 #include "simulation/batch/parallel.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -256,4 +256,4 @@ std::string incomplete_text(const std::vector<ShardProgress>& shards) {
   return count > kNamed ? text + " and " + std::to_string(count - kNamed) + " more" : text;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -12,7 +12,7 @@
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/trial_store.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // An experiment in shards. Its trials in the order of seeds, those of a seed in the order of cells, are
 // divided into consecutive parts, so that a shard is a range of seeds. A shard keeps its finished trials in
@@ -100,4 +100,4 @@ ShardProgress play_shard(const Experiment& experiment, const std::filesystem::pa
 // "3 (2 of 5 trials), 7 (0 of 5 trials)": the shards that are not complete; at most ten, then "and 12 more".
 [[nodiscard]] std::string incomplete_text(const std::vector<ShardProgress>& shards);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -10,7 +10,7 @@
 #include "lab/experiment/trial_log.h"
 #include "simulation/batch/parallel.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -159,4 +159,4 @@ std::vector<double> values_of(const CellResult& cell, std::size_t metric) {
   return values;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // An experiment plays the same trial in several cells, such as feedback off and on, for a run of seeds each.
 // A trial depends on its cell and seed alone, so that the results are the same in whatever order and on
@@ -126,4 +126,4 @@ struct ExperimentResult {
 // The values of a metric, by its place, in the trials that have one.
 [[nodiscard]] std::vector<double> values_of(const CellResult& cell, std::size_t metric);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

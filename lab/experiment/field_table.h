@@ -18,7 +18,7 @@
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/statistics.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A table of fields describes the struct of an experiment's trials once: which members it has, and how they
 // are reported. From it the engine gets the metrics and the record of a trial, and conclusions get the struct
@@ -154,4 +154,4 @@ MeanEstimate mean_of(const std::vector<T>& trials, Member quantity) {
   return estimate_mean(values_of(trials, quantity));
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -8,7 +8,7 @@
 #include "base/text/text.h"
 #include "simulation/record/state_hash.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,4 +62,4 @@ void write_section(const fs::path& page, const std::string& title, const std::st
   write_whole_file(page, content);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

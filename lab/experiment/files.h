@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A hash of these files, of these texts, and of the running program, because another build may compute other
 // results. 16 digits. Throws InputError where a file cannot be read.
@@ -18,4 +18,4 @@ namespace koboshi::tools {
 void write_section(const std::filesystem::path& page, const std::string& title, const std::string& name,
                    const std::string& text);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

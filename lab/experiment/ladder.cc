@@ -6,7 +6,7 @@
 #include "lab/experiment/statistics.h"
 #include "tools/plot/legend.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 // Curves on top of each other stay visible: each is drawn narrower than the one below.
@@ -42,23 +42,23 @@ std::string climb_line(const Experiment& experiment, const Ladder& ladder, const
 
 double level_of(const Cell& cell) { return koboshi::parse_number(cell.settings.back().second).value(); }
 
-PlaneFigure ladder_figure(const std::string& title, const Experiment& experiment,
+tools::PlaneFigure ladder_figure(const std::string& title, const Experiment& experiment,
                           const ExperimentResult& result) {
-  PlaneFigure figure{.title = title,
+  tools::PlaneFigure figure{.title = title,
                      .x_label = "level, as a share of the hardest",
                      .y_label = "share of the seeds that failed"};
   figure.curves.push_back({.points = {{0.0, kMaxFailureShare}, {1.0, kMaxFailureShare}},
-                           .style = style_of(Role::kTheory),
-                           .colour = colour_of(Role::kTheory)});
+                           .style = tools::style_of(tools::Role::kTheory),
+                           .colour = tools::colour_of(tools::Role::kTheory)});
   const auto failure =
       std::ranges::find_if(experiment.metrics, [](const Metric& metric) { return metric.max_share < 1.0; });
   const auto metric = static_cast<std::size_t>(failure - experiment.metrics.begin());
   for (std::size_t i = 0; i < experiment.ladders.size(); ++i) {
     const Ladder& ladder = experiment.ladders[i];
     const double hardest = level_of(experiment.cells[ladder.cells.back()]);
-    PlaneCurve& curve = figure.curves.emplace_back(
-        PlaneCurve{.label = ladder.name + " (1 = " + number_text(hardest) + " " + ladder.unit + ")",
-                   .style = LineStyle::kLinesPoints,
+    tools::PlaneCurve& curve = figure.curves.emplace_back(
+        tools::PlaneCurve{.label = ladder.name + " (1 = " + number_text(hardest) + " " + ladder.unit + ")",
+                   .style = tools::LineStyle::kLinesPoints,
                    .colour = static_cast<int>(i),
                    .width = kWidest - kNarrower * static_cast<double>(i)});
     for (const std::size_t cell : ladder.cells) {
@@ -70,4 +70,4 @@ PlaneFigure ladder_figure(const std::string& title, const Experiment& experiment
   return figure;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

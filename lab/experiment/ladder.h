@@ -7,7 +7,7 @@
 #include "lab/experiment/experiment.h"
 #include "tools/plot/plane_figure.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A ladder ends at the first level that more than 5 of 100 seeds fail.
 inline constexpr double kMaxFailureShare = 0.05;  // for Metric::max_share of a failure
@@ -28,7 +28,7 @@ struct Climb {
 [[nodiscard]] double level_of(const Cell& cell);
 
 // The share that failed on each level, over the level as a share of the ladder's hardest.
-[[nodiscard]] PlaneFigure ladder_figure(const std::string& title, const Experiment& experiment,
+[[nodiscard]] tools::PlaneFigure ladder_figure(const std::string& title, const Experiment& experiment,
                                         const ExperimentResult& result);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -11,7 +11,7 @@
 #include "base/text/text.h"
 #include "lab/experiment/statistics.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -194,4 +194,4 @@ std::string to_csv(const Experiment& experiment, const ExperimentResult& result)
   return table_text(head, rows, TableStyle::kCsv);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

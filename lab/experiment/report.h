@@ -11,7 +11,7 @@
 #include "tools/plot/panel_grid.h"
 #include "tools/plot/plane_figure.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // An experiment's results in every form in which they are read. Cells that were not reached are left out.
 
@@ -26,7 +26,7 @@ namespace koboshi::tools {
 // A figure of small multiples, and the end of its file's name.
 struct NamedGrid {
   std::string name;
-  PanelGrid grid;
+  tools::PanelGrid grid;
 };
 
 // Conclusions that an experiment draws from its cells.
@@ -34,7 +34,7 @@ struct Conclusions {
   nlohmann::ordered_json values = nlohmann::ordered_json::object();  // for programs, beside the cells
   std::string lines{};                                               // for readers, below the table
   std::function<std::string(TableStyle)> table{};                    // instead of result_table
-  std::optional<PlaneFigure> figure{};
+  std::optional<tools::PlaneFigure> figure{};
   std::vector<NamedGrid> grids{};  // further figures
 };
 
@@ -46,4 +46,4 @@ struct Conclusions {
 // One line a trial: the cell's settings, the seed, the metrics; empty where there is no value.
 [[nodiscard]] std::string to_csv(const Experiment& experiment, const ExperimentResult& result);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <vector>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
@@ -71,4 +71,4 @@ QuantileEstimate estimate_quantile(std::span<const double> values, double share)
            at(std::ceil(boost::math::quantile(below, kUpperQuantile)))}};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

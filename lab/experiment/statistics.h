@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <span>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 struct Interval {
   double low = 0.0;
@@ -50,4 +50,4 @@ QuantileEstimate estimate_quantile(std::span<const double> values, double share)
 // With fewer values than this the 5 % quantile is the smallest value, and a report may not say "95 of 100".
 inline constexpr std::size_t kEnoughFor95Of100 = 20;
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -1,6 +1,6 @@
 #include "lab/experiment/trial_log.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 TrialLog::TrialLog(const std::filesystem::path& file, const Experiment& experiment)
     : experiment_(experiment), known_(experiment.name, experiment.metrics) {
@@ -22,4 +22,4 @@ void TrialLog::add(const Trial& trial) {
   out_->flush();
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

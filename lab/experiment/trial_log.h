@@ -10,7 +10,7 @@
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/trial_store.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The finished trials of an experiment in a file of JSON lines (trial_store.h), from which an interrupted one
 // resumes. Trials of other experiments and inputs stay in the file and are ignored.
@@ -31,4 +31,4 @@ class TrialLog {
   std::optional<OutputFile> out_;
 };
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

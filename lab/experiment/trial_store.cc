@@ -6,7 +6,7 @@
 
 #include "base/text/error.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 using Json = nlohmann::ordered_json;
 
@@ -70,4 +70,4 @@ std::size_t TrialStore::count_of_others(const std::string& inputs) const {
       std::ranges::count_if(known_, [&](const auto& trial) { return trial.first.inputs != inputs; }));
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

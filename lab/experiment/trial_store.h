@@ -11,7 +11,7 @@
 
 #include "lab/experiment/experiment.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A finished trial as a line of JSON, with its line feed:
 //   {"experiment":"gyro-feedback","cell":"8-on","seed":3,"inputs":"9f..","values":{"speed_m_per_s":0.2}}
@@ -52,4 +52,4 @@ class TrialStore {
   std::map<Key, Record> known_;
 };
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

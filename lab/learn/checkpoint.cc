@@ -7,7 +7,7 @@
 #include "base/text/text.h"
 #include "simulation/record/summary.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -98,4 +98,4 @@ std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& file) {
   }
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -9,7 +9,7 @@
 
 #include "lab/learn/evolution.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A validation of the mean network: means over the validation's episodes.
 struct ValidationMean {
@@ -43,4 +43,4 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint& check
 // Nothing if there is no such file. Throws InputError for a file that is no checkpoint.
 [[nodiscard]] std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& file);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -15,7 +15,7 @@
 #include "sim_board/random/random_stream.h"
 #include "simulation/policy/policy_file.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kComparedStride_s = 2.5;  // before a push, at least: as in the experiment robustness
@@ -182,4 +182,4 @@ double sign_test(std::size_t only_first, std::size_t only_second) {
   return std::min(1.0, 2.0 * tail);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

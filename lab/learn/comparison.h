@@ -11,7 +11,7 @@
 #include "lab/trial/commanded_walk.h"
 #include "lab/trial/outcome.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The walking engine alone against the engine with a policy, in the same worlds under the same pushes. A push
 // is a half sine of 0.1 s at the trunk's centre of mass, in 16 directions in turn, at a random phase of the
@@ -44,4 +44,4 @@ struct ComparedTrial {
 // as unevenly as `only_first` to `only_second` (exact sign test, two-sided).
 [[nodiscard]] double sign_test(std::size_t only_first, std::size_t only_second);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

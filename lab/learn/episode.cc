@@ -10,7 +10,7 @@
 #include "simulation/assembly/parameters.h"
 #include "simulation/host/in_process_host.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 // From the command to the first push at the earliest: the robot takes its first two steps.
@@ -156,4 +156,4 @@ double reward_of(const Episode& episode, const RewardWeights& weights, double wa
          weights.lean * episode.lean_rad2 - weights.offset * episode.offset;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -15,7 +15,7 @@
 #include "lab/trial/scenario_trial.h"
 #include "simulation/assembly/prepared_scenario.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A walk with a policy, and what its reward is made of. All means are over the walk.
 struct Episode : ScenarioTrial {
@@ -77,4 +77,4 @@ class EpisodePlayer {
 // costs.
 [[nodiscard]] double reward_of(const Episode& episode, const RewardWeights& weights, double walk_s);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -8,7 +8,7 @@
 
 #include "sim_board/random/random_stream.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 // Adam's decay rates and its guard against a division by zero: the values of its paper.
@@ -95,4 +95,4 @@ std::vector<double> centred_ranks(std::span<const double> scores) {
   return ranks;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

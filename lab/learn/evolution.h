@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // An evolution strategy that follows an estimate of the gradient of the smoothed objective (T. Salimans et
 // al., "Evolution Strategies as a Scalable Alternative to Reinforcement Learning", 2017): opposite pairs of
@@ -52,4 +52,4 @@ class Evolution {
 // Ranks of the scores, scaled to -0.5 for the lowest to 0.5 for the highest.
 [[nodiscard]] std::vector<double> centred_ranks(std::span<const double> scores);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

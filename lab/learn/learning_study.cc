@@ -15,7 +15,7 @@
 #include "simulation/policy/signal_names.h"
 #include "simulation/scenario/paths.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kLearnRadPerDegree = std::numbers::pi / 180.0;
@@ -160,7 +160,7 @@ void require_left(const LearningStudy& study, const std::string& name, int line)
 }
 
 void add_output(const LearningStudy& study, const LearnedOutput& learned, const std::string& joint,
-                const simulation::NamedModel& robot, PolicyMap& map) {
+                const simulation::NamedModel& robot, tools::PolicyMap& map) {
   using enum robot::JointRole;
   const auto may_move = [](robot::JointRole role) {
     return role >= kLeftHipYaw && role <= kRightAnkleRoll && role != kLeftKnee && role != kRightKnee;
@@ -172,9 +172,9 @@ void add_output(const LearningStudy& study, const LearnedOutput& learned, const 
   if (std::ranges::find(hips_and_ankles, joint) == hips_and_ankles.end())
     throw InputError(study.file, learned.line, one_line(joint),
                      "a hip or ankle: " + join_alternatives(hips_and_ankles));
-  if (std::ranges::find(map.outputs, joint, &MappedOutput::joint) != map.outputs.end())
+  if (std::ranges::find(map.outputs, joint, &tools::MappedOutput::joint) != map.outputs.end())
     throw InputError(study.file, learned.line, "a second output for " + joint, "one output for a joint");
-  MappedOutput output{.joint = joint};
+  tools::MappedOutput output{.joint = joint};
   output.index =
       static_cast<std::uint8_t>(std::ranges::find(robot.joint_names, joint) - robot.joint_names.begin());
   const double fastest_rad_per_s = fixed::to_double(robot.model.joints[output.index].max_speed);
@@ -189,14 +189,14 @@ void add_output(const LearningStudy& study, const LearnedOutput& learned, const 
 }
 
 void add_input(const LearningStudy& study, const LearnedInput& learned, const std::string& signal,
-               const std::vector<simulation::SignalName>& signals, PolicyMap& map) {
+               const std::vector<simulation::SignalName>& signals, tools::PolicyMap& map) {
   const auto found = std::ranges::find(signals, signal, &simulation::SignalName::name);
   if (found == signals.end()) {
     std::vector<std::string> names;
     for (const simulation::SignalName& each : signals) names.push_back(each.name);
     throw InputError(study.file, learned.line, one_line(signal), expected_names(signal, names));
   }
-  if (std::ranges::find(map.inputs, signal, &MappedInput::name) != map.inputs.end())
+  if (std::ranges::find(map.inputs, signal, &tools::MappedInput::name) != map.inputs.end())
     throw InputError(study.file, learned.line, "a second input " + signal, "each signal once");
   map.inputs.push_back({.name = signal,
                         .signal = found->signal,
@@ -234,8 +234,8 @@ LearningStudy read_learning_study(const std::filesystem::path& file) {
   return study;
 }
 
-PolicyMap learned_map(const LearningStudy& study, const simulation::NamedModel& robot) {
-  PolicyMap map{.name = study.file.stem().string().substr(0, policy::kPolicyNameSize),
+tools::PolicyMap learned_map(const LearningStudy& study, const simulation::NamedModel& robot) {
+  tools::PolicyMap map{.name = study.file.stem().string().substr(0, policy::kPolicyNameSize),
                 .patience_ticks = study.patience_ticks};
   const bool is_ascii = std::ranges::all_of(map.name, [](char c) { return c >= ' ' && c <= '~'; });
   if (!is_ascii) map.name = "learned";
@@ -249,7 +249,7 @@ PolicyMap learned_map(const LearningStudy& study, const simulation::NamedModel& 
     throw InputError(study.file, study.outputs.back().line, count_text(map.outputs.size(), "output"),
                      fmt::format("at most {}", policy::kMaxOutputs));
   std::vector<std::string> joints;
-  for (const MappedOutput& output : map.outputs) joints.push_back(output.joint);
+  for (const tools::MappedOutput& output : map.outputs) joints.push_back(output.joint);
   const auto signals = simulation::signal_names(robot.joint_names, joints);
   for (const LearnedInput& input : study.inputs) {
     require_left(study, input.signal, input.line);
@@ -263,10 +263,10 @@ PolicyMap learned_map(const LearningStudy& study, const simulation::NamedModel& 
   return map;
 }
 
-std::string map_text(const PolicyMap& map) {
+std::string map_text(const tools::PolicyMap& map) {
   std::string text = fmt::format("version: 1\nname: {}\npatience_ms: {}\ninputs:\n", map.name,
                                  map.patience_ticks * kLearnTick_ms);
-  for (const MappedInput& input : map.inputs) {
+  for (const tools::MappedInput& input : map.inputs) {
     text += fmt::format("  - {{signal: {}, scale: {}", input.name, number_text(input.scale));
     if (input.range)
       text +=
@@ -277,11 +277,11 @@ std::string map_text(const PolicyMap& map) {
   const auto degrees = [](double angle_rad) {
     return number_text(std::round(angle_rad / kLearnRadPerDegree * 1e6) / 1e6);
   };
-  for (const MappedOutput& output : map.outputs)
+  for (const tools::MappedOutput& output : map.outputs)
     text +=
         fmt::format("  - {{joint: {}, scale_rad: {}, bound_deg: {}, rate_deg_per_s: {}}}\n", output.joint,
                     number_text(output.scale_rad), degrees(output.bound_rad), degrees(output.rate_rad_per_s));
   return text;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -11,7 +11,7 @@
 #include "simulation/model/robot_model.h"
 #include "tools/policy/policy_map.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // An input of the network, with the line of the file that names it.
 struct LearnedInput {
@@ -87,9 +87,9 @@ struct LearningStudy {
 // Returns the map of the network's inputs and outputs to this robot: with `mirror`, each input and output of
 // the left side is followed by that of the right side. Throws InputError for a signal or joint that the robot
 // does not have.
-[[nodiscard]] PolicyMap learned_map(const LearningStudy& study, const simulation::NamedModel& robot);
+[[nodiscard]] tools::PolicyMap learned_map(const LearningStudy& study, const simulation::NamedModel& robot);
 
 // The text of a map as `koboshi policy import` reads it (docs/reference/policy.md).
-[[nodiscard]] std::string map_text(const PolicyMap& map);
+[[nodiscard]] std::string map_text(const tools::PolicyMap& map);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -10,7 +10,7 @@
 
 #include "sim_board/random/random_stream.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 // Signals of the whole robot that change their sign in its mirror image. The phase is half a turn further,
@@ -75,15 +75,15 @@ MirrorImage MirrorImage::none(std::size_t size) {
   return image;
 }
 
-MirrorImage mirrored_inputs(const PolicyMap& map, const simulation::NamedModel& robot) {
+MirrorImage mirrored_inputs(const tools::PolicyMap& map, const simulation::NamedModel& robot) {
   std::vector<std::string> names;
-  for (const MappedInput& input : map.inputs) names.push_back(input.name);
+  for (const tools::MappedInput& input : map.inputs) names.push_back(input.name);
   return image_of(names, [&](const std::string& name) { return signal_sign(name, robot); });
 }
 
-MirrorImage mirrored_outputs(const PolicyMap& map, const simulation::NamedModel& robot) {
+MirrorImage mirrored_outputs(const tools::PolicyMap& map, const simulation::NamedModel& robot) {
   std::vector<std::string> names;
-  for (const MappedOutput& output : map.outputs) names.push_back(output.joint);
+  for (const tools::MappedOutput& output : map.outputs) names.push_back(output.joint);
   return image_of(names, [&](const std::string& name) { return joint_sign(name, robot) < 0 ? -1.0 : 1.0; });
 }
 
@@ -115,16 +115,16 @@ std::vector<double> MirroredNetwork::start(std::uint64_t seed) const {
   return parameters;
 }
 
-Mlp MirroredNetwork::network(std::span<const double> parameters) const {
+tools::Mlp MirroredNetwork::network(std::span<const double> parameters) const {
   if (parameters.size() != parameters_) throw std::logic_error("a wrong number of parameters");
-  Mlp mlp;
+  tools::Mlp mlp;
   mlp.factor.assign(images_.front().place.size(), 1.0);
   mlp.offset.assign(images_.front().place.size(), 0.0);
   auto next = parameters.begin();
   for (std::size_t i = 1; i < images_.size(); ++i) {
     const MirrorImage& in = images_[i - 1];
     const MirrorImage& out = images_[i];
-    MlpLayer layer{
+    tools::MlpLayer layer{
         .rows = out.place.size(), .columns = in.place.size(), .activation = policy::Activation::kTanh};
     layer.weights.resize(layer.rows * layer.columns);
     layer.biases.resize(layer.rows);
@@ -145,4 +145,4 @@ Mlp MirroredNetwork::network(std::span<const double> parameters) const {
   return mlp;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -9,7 +9,7 @@
 #include "tools/policy/mlp.h"
 #include "tools/policy/policy_map.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The place of each element of a vector in the mirror image of the robot: the image's element i is
 // sign[i] * the element place[i].
@@ -23,8 +23,8 @@ struct MirrorImage {
 
 // Mirror images of the inputs and outputs of a map, left and right exchanged. Requires a map with both sides
 // of each (learned_map() with `mirror`).
-[[nodiscard]] MirrorImage mirrored_inputs(const PolicyMap& map, const simulation::NamedModel& robot);
-[[nodiscard]] MirrorImage mirrored_outputs(const PolicyMap& map, const simulation::NamedModel& robot);
+[[nodiscard]] MirrorImage mirrored_inputs(const tools::PolicyMap& map, const simulation::NamedModel& robot);
+[[nodiscard]] MirrorImage mirrored_outputs(const tools::PolicyMap& map, const simulation::NamedModel& robot);
 
 // A multilayer perceptron with tanh in every layer, as a function of a vector of parameters. Its outputs for
 // the mirror image of its inputs are the mirror images of its outputs: hidden neurons come in pairs, and a
@@ -39,11 +39,11 @@ class MirroredNetwork {
   [[nodiscard]] std::size_t parameters() const { return parameters_; }
   // Random hidden layers, and outputs that are zero: the robot begins with the engine alone.
   [[nodiscard]] std::vector<double> start(std::uint64_t seed) const;
-  [[nodiscard]] Mlp network(std::span<const double> parameters) const;
+  [[nodiscard]] tools::Mlp network(std::span<const double> parameters) const;
 
  private:
   std::vector<MirrorImage> images_;  // of the inputs, of each layer's rows
   std::size_t parameters_ = 0;
 };
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

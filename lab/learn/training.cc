@@ -23,7 +23,7 @@
 #include "tools/plot/figure.h"
 #include "tools/policy/quantise.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 // Generations whose surviving share decides whether the next stage begins.
@@ -35,7 +35,7 @@ std::vector<Override> episode_overrides(const LearningStudy& study, const Traini
   return overrides;
 }
 
-MirroredNetwork network_of(const LearningStudy& study, const PolicyMap& map,
+MirroredNetwork network_of(const LearningStudy& study, const tools::PolicyMap& map,
                            const simulation::NamedModel& robot) {
   if (!study.mirror)
     return {MirrorImage::none(map.inputs.size()), study.hidden, MirrorImage::none(map.outputs.size()), false};
@@ -78,7 +78,7 @@ class Training {
   Sums play_candidates(const std::vector<std::vector<double>>& candidates, std::vector<double>& scores) const;
   void validate();
   ValidationMean mean_of_validation(std::span<const std::byte> image) const;
-  QuantisedPolicy quantised(std::span<const double> weights,
+  tools::QuantisedPolicy quantised(std::span<const double> weights,
                             const std::vector<std::vector<double>>& rows) const;
   std::vector<std::byte> image_of(std::span<const double> weights) const {
     return quantised(weights, {std::vector<double>(map_.inputs.size(), 0.0)}).image;
@@ -88,7 +88,7 @@ class Training {
   void finish();
   std::vector<std::vector<double>> recorded_rows(std::span<const std::byte> image) const;
   std::string draw_curve() const;
-  std::string report(const QuantisedPolicy& policy, std::size_t rows) const;
+  std::string report(const tools::QuantisedPolicy& policy, std::size_t rows) const;
   EvolutionOptions evolution_options() const {
     return {.population = study_.population,
             .noise = study_.noise,
@@ -106,15 +106,15 @@ class Training {
   const std::function<void(const TrainingProgress&)>& progress_;
   const std::vector<Override> overrides_;
   const EpisodePlayer player_;
-  const PolicyMap map_;
+  const tools::PolicyMap map_;
   const MirroredNetwork network_;
   Checkpoint now_;
   std::optional<Evolution> evolution_;
 };
 
-QuantisedPolicy Training::quantised(std::span<const double> weights,
+tools::QuantisedPolicy Training::quantised(std::span<const double> weights,
                                     const std::vector<std::vector<double>>& rows) const {
-  return quantise(network_.network(weights), map_, rows, player_.model(), study_.file);
+  return tools::quantise(network_.network(weights), map_, rows, player_.model(), study_.file);
 }
 
 void Training::begin() {
@@ -263,7 +263,7 @@ std::vector<std::vector<double>> Training::recorded_rows(std::span<const std::by
     static_cast<void>(player_.play(image, validation_course(validation_seed(i)), validation_seed(i),
                                    [&](const policy::Signals::Values& signals) {
                                      std::vector<double>& row = rows.emplace_back();
-                                     for (const MappedInput& input : map_.inputs)
+                                     for (const tools::MappedInput& input : map_.inputs)
                                        row.push_back(signals[input.signal] * input.unit);
                                    }));
   }
@@ -281,24 +281,24 @@ void Training::finish() {
 }
 
 std::string Training::draw_curve() const {
-  Figure figure{.title = study_.file.filename().string(), .x_column = "generation", .x_label = "generation"};
+  tools::Figure figure{.title = study_.file.filename().string(), .x_column = "generation", .x_label = "generation"};
   figure.panels.push_back(
-      {.y_label = "reward", .series = {{.column = "reward", .style = LineStyle::kLinesPoints}}});
+      {.y_label = "reward", .series = {{.column = "reward", .style = tools::LineStyle::kLinesPoints}}});
   figure.panels.push_back(
       {.y_label = "survived [%]",
-       .series = {{.column = "survived", .style = LineStyle::kLinesPoints, .factor = 100.0}}});
-  Columns columns = make_columns({"generation", "reward", "survived"});
+       .series = {{.column = "survived", .style = tools::LineStyle::kLinesPoints, .factor = 100.0}}});
+  tools::Columns columns = tools::make_columns({"generation", "reward", "survived"});
   for (const ValidationMean& each : now_.validations)
-    add_row(columns, {static_cast<double>(each.generation), each.reward, each.survived});
+    tools::add_row(columns, {static_cast<double>(each.generation), each.reward, each.survived});
   try {
-    draw(figure, columns, file("curve"));
+    tools::draw(figure, columns, file("curve"));
     return "![Reward and survival in the validation's episodes](curve.png)";
-  } catch (const PlotError& error) {
+  } catch (const tools::PlotError& error) {
     return std::string("No figure: ") + error.what();
   }
 }
 
-std::string Training::report(const QuantisedPolicy& policy, std::size_t rows) const {
+std::string Training::report(const tools::QuantisedPolicy& policy, std::size_t rows) const {
   constexpr double kReportDegrees = 180.0 / std::numbers::pi;
   const ValidationMean& engine = now_.validations.front();
   const ValidationMean& best = now_.validations[now_.best];
@@ -328,7 +328,7 @@ std::string Training::report(const QuantisedPolicy& policy, std::size_t rows) co
       policy.weights, policy.work, policy::kMaxWork, rows);
   std::vector<Row> errors;
   for (std::size_t i = 0; i < policy.errors.size(); ++i) {
-    const QuantisationError& error = policy.errors[i];
+    const tools::QuantisationError& error = policy.errors[i];
     errors.push_back({map_.outputs[i].joint, fmt::format("{:.4f}", error.largest_rad * kReportDegrees),
                       fmt::format("{:.4f}", error.rms_rad * kReportDegrees),
                       fmt::format("{:.3f}", error.range_rad * kReportDegrees)});
@@ -346,4 +346,4 @@ TrainingResult train(const LearningStudy& study, const TrainingOptions& options,
   return Training(study, options, progress).run();
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

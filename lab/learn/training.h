@@ -11,7 +11,7 @@
 #include "lab/learn/checkpoint.h"
 #include "lab/learn/learning_study.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 struct TrainingOptions {
   std::vector<Override> overrides{};  // of the scenario
@@ -45,4 +45,4 @@ struct TrainingResult {
 [[nodiscard]] TrainingResult train(const LearningStudy& study, const TrainingOptions& options,
                                    const std::function<void(const TrainingProgress&)>& progress = {});
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -12,7 +12,7 @@
 #include "simulation/disturbance/world_text.h"
 #include "simulation/scenario/reader.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 simulation::Scenario StandingStart::walking(const Eigen::Vector3d& velocity, double for_s) const {
   simulation::Scenario walk = standing(for_s);
@@ -77,4 +77,4 @@ Experiment begin_experiment(const std::string& name, const std::string& title, c
   return experiment;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -13,7 +13,7 @@
 #include "sim_board/random/random_stream.h"
 #include "simulation/scenario/scenario.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The common part of the experiments on a robot that stands by itself: the scenario brings it to its feet,
 // and the experiment gives it other commands from there.
@@ -59,4 +59,4 @@ struct ExperimentSetup {
                                           const ExperimentSetup& setup, const simulation::Scenario& scenario,
                                           const std::vector<std::pair<std::string, double>>& conditions);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -6,7 +6,7 @@
 #include "sim_board/engine/common/model_constants.h"
 #include "sim_board/world/box_overlap.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 std::vector<LinkPair> link_pairs(const sim_board::RobotDescription& robot) {
   const mechanics::HingeTree tree = sim_board::hinge_tree(robot);
@@ -67,4 +67,4 @@ void ContactObserver::observe_pairs() {
   }
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -7,7 +7,7 @@
 #include "sim_board/description/description.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // Two links with collision shapes.
 struct LinkPair {
@@ -49,4 +49,4 @@ class ContactObserver {
   std::vector<LinkPair> pairs_;
 };
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

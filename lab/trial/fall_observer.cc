@@ -5,7 +5,7 @@
 
 #include "sim_board/world/foot.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 using behaviour::State;
 
@@ -74,4 +74,4 @@ void FallObserver::keep_parts(const sim_board::RobotDescription& robot, const si
   }
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -8,7 +8,7 @@
 #include "simulation/assembly/simulation.h"
 #include "simulation/observe/run_recorder.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The history of a robot that falls and gets up, as the firmware reports it and as the ground feels it.
 struct FallHistory {
@@ -55,4 +55,4 @@ class FallObserver {
   FallHistory history_;
 };
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

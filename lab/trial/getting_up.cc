@@ -5,7 +5,7 @@
 
 #include "simulation/observe/posture.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr std::uint64_t kSteady_us = 500'000;  // of standing, after which nothing more happens
@@ -51,4 +51,4 @@ GettingUpTrial play_getting_up(const simulation::Scenario& scenario, std::uint64
   return trial;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

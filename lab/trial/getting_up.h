@@ -6,7 +6,7 @@
 #include "lab/trial/scenario_trial.h"
 #include "simulation/scenario/scenario.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // Observes how a robot that lies comes to stand.
 class GettingUp {
@@ -38,4 +38,4 @@ struct GettingUpTrial : ScenarioTrial {
 // Plays a scenario in which a robot gets up, in the world that a seed draws, until it stands.
 [[nodiscard]] GettingUpTrial play_getting_up(const simulation::Scenario& scenario, std::uint64_t seed);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

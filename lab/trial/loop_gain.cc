@@ -7,7 +7,7 @@
 
 #include "base/text/user_units.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 // Where a quantity passes a level between two points, as a part of the way from the first.
@@ -68,4 +68,4 @@ LoopMargins margins_of(std::span<const LoopPoint> points) {
   return margins;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // Frequency response of a feedback loop, measured where it is closed. A sine d is added to a signal w of the
 // loop, and the loop continues with m = w + d. All that comes back to w has gone once around, so that
@@ -53,4 +53,4 @@ struct LoopMargins {
 // `points` by rising frequency; two or more.
 [[nodiscard]] LoopMargins margins_of(std::span<const LoopPoint> points);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -7,7 +7,7 @@
 
 #include "lab/experiment/field_table.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // How a trial ended. If several apply, the first in this order counts.
 enum class Outcome {
@@ -52,4 +52,4 @@ Fields<T> outcome_fields(Member member, std::span<const Loss> losses = kLosses) 
   return fields;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

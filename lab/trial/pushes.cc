@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 double between(sim_board::RandomStream& random, double low, double high) {
   return low + (high - low) * random.uniform();
@@ -37,4 +37,4 @@ void add_pushes(simulation::Scenario& scenario, const std::string& link, std::ui
   std::ranges::stable_sort(scenario.pushes, {}, &simulation::Push::at_us);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -8,7 +8,7 @@
 #include "sim_board/random/random_stream.h"
 #include "simulation/scenario/scenario.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // Pushes against the trunk at random times and in random level directions.
 struct PushBounds {
@@ -36,4 +36,4 @@ inline constexpr double kPush_s = 0.1;                       // duration of a ha
 void add_pushes(simulation::Scenario& scenario, const std::string& link, std::uint64_t from_us,
                 const PushBounds& bounds, std::uint64_t seed);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -11,7 +11,7 @@
 #include "simulation/assembly/world.h"
 #include "view/capture/run_recording.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 // The firmware's reason for having stopped, worst first.
@@ -117,4 +117,4 @@ sim_board::RobotDescription robot_in_world(const simulation::Scenario& scenario,
   return in_world;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -11,7 +11,7 @@
 #include "simulation/record/summary.h"
 #include "simulation/scenario/scenario.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A walk of which nothing was measured: every figure is NaN.
 [[nodiscard]] simulation::WalkSummary no_walk();
@@ -62,4 +62,4 @@ using Watch = std::function<bool(simulation::Simulation&, const simulation::RunR
                                                          const sim_board::RobotDescription& robot,
                                                          std::uint64_t seed);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

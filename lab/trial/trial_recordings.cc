@@ -4,7 +4,7 @@
 #include <system_error>
 #include <utility>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 thread_local TrialRecordings* present_recordings = nullptr;
@@ -31,4 +31,4 @@ std::filesystem::path TrialRecordings::file(int number) const {
   return stem_.string() + (number > 1 ? "-" + std::to_string(number) : std::string()) + ".mcap";
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // Recordings (docs/reference/recording.md) of the scenarios that a trial plays. While an object of this class
 // exists, the scenarios that its thread plays (lab/trial/scenario_trial.h) are recorded: STEM.mcap,
@@ -30,4 +30,4 @@ class TrialRecordings {
   bool kept_ = false;
 };
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Eigen::Index;
@@ -138,4 +138,4 @@ void migrate(std::vector<CmaEs>& islands) {
   }
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -8,7 +8,7 @@
 
 #include "sim_board/random/random_stream.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 struct CmaEsOptions {
   std::size_t population = 8;  // candidates of a generation, at least 4
@@ -44,8 +44,6 @@ class CmaEs {
   // The best candidate of all generations that are complete, and its loss; the start and infinity before.
   [[nodiscard]] const std::vector<double>& best() const { return best_; }
   [[nodiscard]] double best_loss() const { return best_loss_; }
-  // Standard deviation of the strategy along its longest axis.
-  [[nodiscard]] double longest_axis() const { return sigma_ * axes_.maxCoeff(); }
 
  private:
   void draw();
@@ -84,4 +82,4 @@ class CmaEs {
 // that is better than its own best one. Between generations of all of them.
 void migrate(std::vector<CmaEs>& islands);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

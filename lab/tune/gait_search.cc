@@ -10,7 +10,7 @@
 #include "lab/tune/gait_text.h"
 #include "lab/tune/optimiser.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
@@ -117,4 +117,4 @@ GaitSearchResult search_gait(const GaitSearchOptions& options, const ShowProgres
   return result;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -7,7 +7,7 @@
 #include "lab/catalogue/gyro_feedback.h"
 #include "lab/tune/search.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The parameters of the gait file that the search may change, for the legs of the robot koboshi; the start is
 // not set. A search leaves alone parameters that its gait file does not name, and the gains of the feedback
@@ -34,4 +34,4 @@ struct GaitSearchResult : SearchResult {
 // Throws InputError.
 [[nodiscard]] GaitSearchResult search_gait(const GaitSearchOptions& options, const ShowProgress& progress);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -7,7 +7,7 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 struct Place {
@@ -65,4 +65,4 @@ std::string with_numbers(std::string text, const GaitNumbers& numbers, const std
   return text;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

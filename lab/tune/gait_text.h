@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // Numbers by the dotted keys of a gait file: "period_s", "feedback.ankle_pitch_s". The last part of a key
 // occurs once in the file.
@@ -21,4 +21,4 @@ using GaitNumbers = std::map<std::string, double>;
 [[nodiscard]] std::string with_numbers(std::string text, const GaitNumbers& numbers,
                                        const std::filesystem::path& file);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

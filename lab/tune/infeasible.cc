@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 std::string infeasible_text(const std::map<std::string, std::size_t>& counts, std::size_t candidates) {
   if (counts.empty()) return {};
@@ -19,4 +19,4 @@ std::string infeasible_text(const std::map<std::string, std::size_t>& counts, st
   return std::to_string(sum) + " of " + std::to_string(candidates) + " candidates infeasible: " + list + "\n";
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

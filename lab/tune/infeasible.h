@@ -6,7 +6,7 @@
 
 #include "base/text/error.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // Counts candidates of a search that cannot be simulated, by the limit of the robot or of a parameter that
 // they violate.
@@ -23,4 +23,4 @@ class InfeasibleCounter {
 // empty where all were feasible.
 std::string infeasible_text(const std::map<std::string, std::size_t>& counts, std::size_t candidates);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -6,7 +6,7 @@
 
 #include "base/text/text.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 void LostTrials::add(const ScenarioTrial& trial) {
   ++trials_;
@@ -28,4 +28,4 @@ std::string LostTrials::text() const {
   return fmt::format("{} of {} trials were lost: {}{}\n", lost, trials_, reasons, error);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -7,7 +7,7 @@
 #include "lab/trial/outcome.h"
 #include "lab/trial/scenario_trial.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // Counts why the trials of a search were lost: a search in which all are lost finds nothing.
 class LostTrials {
@@ -24,4 +24,4 @@ class LostTrials {
   std::string first_error_{};
 };
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -3,7 +3,7 @@
 #include "lab/tune/optimiser.h"
 
 // Stands in for optimiser.cc where libpagmo is missing.
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 [[noreturn]] void refuse() {
@@ -23,4 +23,4 @@ void minimise_each(const Objectives&, std::size_t, const std::vector<double>&, c
 
 std::vector<std::size_t> non_dominated(const std::vector<std::vector<double>>&) { refuse(); }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

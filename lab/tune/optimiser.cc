@@ -12,7 +12,7 @@
 
 #include "sim_board/random/random_stream.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 // A user-defined problem in pagmo's sense.
@@ -81,4 +81,4 @@ std::vector<std::size_t> non_dominated(const std::vector<std::vector<double>>& v
   return front;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // An objective over the unit box, to be minimised.
 using Objective = std::function<double(const std::vector<double>& x)>;
@@ -36,4 +36,4 @@ void minimise_each(const Objectives& objectives, std::size_t count, const std::v
 // ascending order.
 [[nodiscard]] std::vector<std::size_t> non_dominated(const std::vector<std::vector<double>>& values);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 std::vector<double> start_of(std::span<const SearchedNumber> numbers) {
   std::vector<double> x;
@@ -92,4 +92,4 @@ Row Search::row(std::size_t number) const {
   return row;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -16,7 +16,7 @@
 #include "base/yaml/yaml_tree.h"
 #include "lab/tune/infeasible.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The common part of the searches for the parameters of a gait and of a study.
 
@@ -114,4 +114,4 @@ class Search {
   InfeasibleCounter infeasible_;
 };
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

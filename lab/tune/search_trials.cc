@@ -11,7 +11,7 @@
 #include "lab/experiment/trial_store.h"
 #include "simulation/batch/parallel.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -201,4 +201,4 @@ std::unique_ptr<SearchTrials> make_merged_trials(const fs::path& folder, std::si
   return std::make_unique<MergedTrials>(folder, shards, metrics, log);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

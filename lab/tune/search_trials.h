@@ -10,7 +10,7 @@
 #include "lab/cluster/shard.h"
 #include "lab/experiment/experiment.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A trial of a generation of a search. Each candidate has an experiment of its own, which differs from the
 // others by its inputs.
@@ -62,4 +62,4 @@ struct TrialsMissing : std::runtime_error {
                                                                const std::vector<Metric>& metrics,
                                                                const std::filesystem::path& log);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

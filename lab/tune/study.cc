@@ -7,7 +7,7 @@
 #include "simulation/disturbance/world_ranges.h"
 #include "simulation/scenario/paths.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr NumberRange kAny{.min = -1e6, .max = 1e6};
@@ -97,4 +97,4 @@ double score(const StudiedTrial& trial, const GettingUpTrial& played, double dur
          kStrayCost * std::min(1.0, strayed / (time_s * trial.wanted));
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

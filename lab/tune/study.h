@@ -9,7 +9,7 @@
 #include "lab/trial/getting_up.h"
 #include "lab/tune/search.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A run of the scenario by which a set of parameters is scored.
 struct StudiedTrial {
@@ -41,4 +41,4 @@ struct Study {
 // further it came.
 [[nodiscard]] double score(const StudiedTrial& trial, const GettingUpTrial& played, double duration_s);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

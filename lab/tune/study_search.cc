@@ -26,7 +26,7 @@
 #include "simulation/scenario/reader.h"
 #include "tools/plot/figure.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 // Below the score of any run, yet near it: optimisers rank candidates, and some fit models to their values.
@@ -189,27 +189,27 @@ class StudySearch {
   // Draws the score of each evaluation and of each trial in it. Returns the Markdown that shows the figure,
   // or the reason why none could be drawn.
   std::string draw_course() const {
-    Figure figure{
+    tools::Figure figure{
         .title = study_.file.filename().string(), .x_column = "evaluation", .x_label = "evaluation"};
     figure.panels.push_back(
-        {.y_label = "score", .series = {{.column = "score", .style = LineStyle::kPoints}}});
-    Panel each{.y_label = "score of each trial"};
-    Columns columns = make_columns({"evaluation", "score"});
+        {.y_label = "score", .series = {{.column = "score", .style = tools::LineStyle::kPoints}}});
+    tools::Panel each{.y_label = "score of each trial"};
+    tools::Columns columns = tools::make_columns({"evaluation", "score"});
     for (const StudiedTrial& trial : study_.trials) {
       columns.push_back({trial.name, {}});
-      each.series.push_back({.column = trial.name, .label = trial.name, .style = LineStyle::kPoints});
+      each.series.push_back({.column = trial.name, .label = trial.name, .style = tools::LineStyle::kPoints});
     }
     figure.panels.push_back(std::move(each));
     for (const Candidate& candidate : search_.candidates()) {
       const auto shown = [&](double score) { return candidate.violated.empty() ? score : std::nan(""); };
       std::vector<double> row{static_cast<double>(columns[0].second.size() + 1), shown(candidate.score)};
       std::ranges::transform(candidate.scores, std::back_inserter(row), shown);
-      add_row(columns, row);
+      tools::add_row(columns, row);
     }
     try {
-      draw(figure, columns, options_.out / "figure");
+      tools::draw(figure, columns, options_.out / "figure");
       return "![Score of each evaluation](figure.png)";
-    } catch (const PlotError& error) {
+    } catch (const tools::PlotError& error) {
       return std::string("No figure: ") + error.what();
     }
   }
@@ -491,4 +491,4 @@ std::vector<ShardProgress> study_progress(const Study& study, const StudyOptions
   return progress;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -9,7 +9,7 @@
 #include "lab/cluster/shard_run.h"
 #include "lab/tune/study.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 enum class Method {
   kCmaEs,  // maximises the mean score of all trials
@@ -59,4 +59,4 @@ SearchResult play_study_shard(const Study& study, const StudyOptions& options, c
 [[nodiscard]] std::vector<ShardProgress> study_progress(const Study& study, const StudyOptions& options,
                                                         std::size_t shards);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -8,7 +8,7 @@
 #include "sim_board/engine/make_world.h"
 #include "tools/plot/legend.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kRestitution = 0.7;
@@ -104,8 +104,8 @@ void check_bounces(const ValidationSetup& setup, Findings& findings) {
        .columns = {{"time_s", trace.time_s}, {"simulated_m", trace.height_m}, {"theory_m", ideal_m}},
        .figure = {.title = "A cube dropped from 0.5 m, restitution 0.7",
                   .panels = {{.y_label = "height [m]",
-                              .series = {series(Role::kTrue, "simulated_m", "simulated"),
-                                         series(Role::kTheory, "theory_m", "theory")}}}}});
+                              .series = {tools::series(tools::Role::kTrue, "simulated_m", "simulated"),
+                                         tools::series(tools::Role::kTheory, "theory_m", "theory")}}}}});
 }
 
 // Drops a tilted rod without friction onto the edge of its lower end.
@@ -166,4 +166,4 @@ Validation bounce() {
       .run = run_bounce};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

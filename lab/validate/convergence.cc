@@ -8,7 +8,7 @@
 #include "sim_board/servo/encoder.h"
 #include "simulation/assembly/simulation.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 const std::vector<double> kSteps_ms{1.0, 0.5, 0.1, 0.05};
@@ -30,7 +30,7 @@ std::vector<double> relative(const std::vector<double>& errors) {
   return result;
 }
 
-void add_curve(Plot& plot, const std::string& name, const std::vector<double>& values, LineStyle style) {
+void add_curve(Plot& plot, const std::string& name, const std::vector<double>& values, tools::LineStyle style) {
   plot.columns.emplace_back(name, values);
   plot.figure.panels[0].series.push_back({.column = name, .label = name, .style = style});
 }
@@ -46,7 +46,7 @@ void check_known(const ValidationSetup& setup, Findings& findings, Plot& plot) {
       errors.push_back(std::abs(subject.error(at_step(setup, step_ms))));
     }
     findings.check(subject.name + ": order of convergence", "1", 1.0, observed_order(kSteps_ms, errors), 0.1);
-    add_curve(plot, subject.name, relative(errors), LineStyle::kLinesPoints);
+    add_curve(plot, subject.name, relative(errors), tools::LineStyle::kLinesPoints);
   }
 }
 
@@ -125,7 +125,7 @@ void check_squat(const ValidationSetup& setup, Findings& findings, Plot& plot) {
   if (setup.short_form) return;
   std::vector<double> shown = relative(errors_m);
   shown.push_back(std::nan(""));
-  add_curve(plot, "squat against the finest", shown, LineStyle::kLinesPoints);
+  add_curve(plot, "squat against the finest", shown, tools::LineStyle::kLinesPoints);
 }
 
 Findings run_convergence(const ValidationSetup& setup) {
@@ -143,7 +143,7 @@ Findings run_convergence(const ValidationSetup& setup) {
                  .log_log = true}};
   check_known(setup, findings, plot);
   check_squat(setup, findings, plot);
-  add_curve(plot, "first order", kSteps_ms, LineStyle::kDashed);
+  add_curve(plot, "first order", kSteps_ms, tools::LineStyle::kDashed);
   findings.plots.insert(findings.plots.begin(), plot);
   return findings;
 }
@@ -184,4 +184,4 @@ Validation convergence() {
       .run = run_convergence};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -2,7 +2,7 @@
 #include "lab/validate/validation.h"
 #include "sim_board/engine/make_world.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kDuration_s = 0.5;
@@ -44,4 +44,4 @@ Validation free_fall() {
           .run = run_free_fall};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

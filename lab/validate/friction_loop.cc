@@ -5,7 +5,7 @@
 #include "lab/validate/validation.h"
 #include "tools/plot/legend.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kFriction_Nm = 0.0275;  // of the default servo
@@ -95,9 +95,9 @@ void check_loop(const ValidationSetup& setup, Findings& findings) {
                    {"lower_Nm", lower}},
        .figure = {.title = "Hysteresis of dry friction, Kc = 0.0275 N m",
                   .panels = {{.y_label = "drive torque [N m]",
-                              .series = {series(Role::kTrue, "torque_Nm", "simulated"),
-                                         series(Role::kTheory, "upper_Nm", "m g r sin q +- Kc"),
-                                         series(Role::kTheory, "lower_Nm", "")}}},
+                              .series = {tools::series(tools::Role::kTrue, "torque_Nm", "simulated"),
+                                         tools::series(tools::Role::kTheory, "upper_Nm", "m g r sin q +- Kc"),
+                                         tools::series(tools::Role::kTheory, "lower_Nm", "")}}},
                   .x_column = "position_rad",
                   .x_label = "joint angle [rad]"}});
 }
@@ -166,4 +166,4 @@ Validation friction_loop() {
       .run = run_friction_loop};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 InertialZmp::Momentum InertialZmp::momentum_of(const sim_board::World& world) const {
   Momentum sum{.time_s = world.time_s()};
@@ -37,4 +37,4 @@ std::optional<Eigen::Vector2d> InertialZmp::observe(const sim_board::World& worl
   return Eigen::Vector2d(-torque_Nm.y(), torque_Nm.x()) / force_N.z();
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -6,7 +6,7 @@
 #include "sim_board/description/description.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The ZMP on z = 0 by the motion of all links alone (Vukobratovic and Borovac, 2004):
 //   x = (sum m (x (z'' + g) - z x'') - sum dL_y/dt) / sum m (z'' + g),  y alike with dL_x/dt.
@@ -35,4 +35,4 @@ class InertialZmp {
   std::optional<Momentum> before_;
 };
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

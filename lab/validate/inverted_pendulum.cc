@@ -8,7 +8,7 @@
 #include "simulation/gait/pendulum.h"
 #include "tools/plot/legend.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Eigen::Vector2d;
@@ -85,10 +85,10 @@ void check_leg(const ValidationSetup& setup, Findings& findings) {
                         {"y_theory_mm", {}}},
             .figure = {.title = "Linear inverted pendulum, 0.18 m high, over a ZMP that moves",
                        .panels = {{.y_label = "position [mm]",
-                                   .series = {series(Role::kFirst, "x_mm", "x, simulated"),
-                                              series(Role::kSecond, "y_mm", "y, simulated"),
-                                              series(Role::kTheory, "x_theory_mm", "pendulum of the gait"),
-                                              series(Role::kTheory, "y_theory_mm", "")}}}}};
+                                   .series = {tools::series(tools::Role::kFirst, "x_mm", "x, simulated"),
+                                              tools::series(tools::Role::kSecond, "y_mm", "y, simulated"),
+                                              tools::series(tools::Role::kTheory, "x_theory_mm", "pendulum of the gait"),
+                                              tools::series(tools::Role::kTheory, "y_theory_mm", "")}}}}};
   for (std::size_t i = 0; i < path.time_s.size(); ++i) {
     const Vector2d theory_m = gait.advance(kStart, kStep, path.time_s[i]).position_m;
     plot.columns[1].second.push_back(1e3 * path.position_m[i].x());
@@ -159,4 +159,4 @@ Validation inverted_pendulum() {
       .run = run_inverted_pendulum};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -6,7 +6,7 @@
 #include "sim_board/engine/make_world.h"
 #include "sim_board/world/ground_truth.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Eigen::Vector3d;
@@ -82,4 +82,4 @@ Validation momentum() {
           .run = run_momentum};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -9,7 +9,7 @@
 #include "sim_board/world/ground_truth.h"
 #include "tools/plot/legend.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr HangingLink kPendulumLink{.mass_kg = 0.2, .inertia_kg_m2 = 5e-4, .arm_m = 0.15, .length_m = 0.2};
@@ -144,10 +144,10 @@ void check_double(const ValidationSetup& setup, Findings& findings) {
                    {"energy_error_mJ", off_mJ}},
        .figure = {.title = "Double pendulum, let go at 1.2 and 0.6 rad",
                   .panels = {{.y_label = "joint angle [rad]",
-                              .series = {series(Role::kFirst, "upper_rad", "upper, simulated"),
-                                         series(Role::kSecond, "lower_rad", "lower, simulated"),
-                                         series(Role::kTheory, "upper_theory_rad", "Runge-Kutta"),
-                                         series(Role::kTheory, "lower_theory_rad", "")}},
+                              .series = {tools::series(tools::Role::kFirst, "upper_rad", "upper, simulated"),
+                                         tools::series(tools::Role::kSecond, "lower_rad", "lower, simulated"),
+                                         tools::series(tools::Role::kTheory, "upper_theory_rad", "Runge-Kutta"),
+                                         tools::series(tools::Role::kTheory, "lower_theory_rad", "")}},
                              {.y_label = "energy error [mJ]", .series = {{.column = "energy_error_mJ"}}}}}});
 }
 
@@ -189,4 +189,4 @@ Validation pendulum_swing() {
           .run = run_pendulum_swing};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

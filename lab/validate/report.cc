@@ -9,7 +9,7 @@
 #include "sim_board/world/world.h"
 #include "tools/plot/figure.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -105,7 +105,7 @@ std::string to_csv(const std::vector<ValidationResult>& results) {
 }
 
 void draw_plots(const ValidationResult& result, const std::filesystem::path& folder) {
-  for (const Plot& plot : result.findings.plots) draw_with_csv(plot.figure, plot.columns, folder / plot.name);
+  for (const Plot& plot : result.findings.plots) tools::draw_with_csv(plot.figure, plot.columns, folder / plot.name);
 }
 
 std::string page_text(const std::vector<ValidationResult>& results, const std::string& command_line,
@@ -123,4 +123,4 @@ std::string page_text(const std::vector<ValidationResult>& results, const std::s
   return text + "\n";
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -8,7 +8,7 @@
 #include "lab/experiment/report.h"
 #include "lab/validate/validation.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The results of validations, in all formats.
 
@@ -42,4 +42,4 @@ void draw_plots(const ValidationResult& result, const std::filesystem::path& fol
                                     const std::string& command_line, const std::string& date,
                                     const std::string& figures);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -7,7 +7,7 @@
 #include "sim_board/engine/make_world.h"
 #include "simulation/scenario/reader.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kNoLimit_rad = 1e3;
@@ -107,4 +107,4 @@ simulation::Scenario squat_scenario(const ValidationSetup& setup) {
   return scenario;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

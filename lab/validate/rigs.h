@@ -11,7 +11,7 @@
 #include "sim_board/world/world.h"
 #include "simulation/scenario/scenario.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The mechanisms of the validations, built in code.
 
@@ -49,4 +49,4 @@ inline constexpr std::uint64_t kSquatBegins_us = 3'500'000;
 // Throws InputError if the setup's scenario has no motion.
 [[nodiscard]] simulation::Scenario squat_scenario(const ValidationSetup& setup);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -8,7 +8,7 @@
 #include "lab/validate/validation.h"
 #include "tools/plot/legend.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 double largest_magnitude(const std::vector<double>& values) {
@@ -67,9 +67,9 @@ Plot motion_figure(const std::string& name, const std::string& title, const std:
                       {"error_mrad", error_mrad}},
           .figure = {.title = title,
                      .panels = {{.y_label = "position [rad]",
-                                 .series = {series(Role::kPlanned, "target_rad", "target"),
-                                            series(Role::kTrue, "simulated_rad", "simulated"),
-                                            series(Role::kTheory, "reference_rad", "Runge-Kutta")}},
+                                 .series = {tools::series(tools::Role::kPlanned, "target_rad", "target"),
+                                            tools::series(tools::Role::kTrue, "simulated_rad", "simulated"),
+                                            tools::series(tools::Role::kTheory, "reference_rad", "Runge-Kutta")}},
                                 {.y_label = "error [mrad]", .series = {{.column = "error_mrad"}}}}}};
 }
 
@@ -80,11 +80,11 @@ void check_line(const ValidationSetup& setup, Findings& findings) {
             .columns = {{"load_Nm", {}}, {"simulated", {}}, {"theory", {}}},
             .figure = {.title = "Torque-speed line of the servo, full supply",
                        .panels = {{.y_label = "steady speed [rad/s]",
-                                   .series = {series(Role::kTheory, "theory", "theory"),
+                                   .series = {tools::series(tools::Role::kTheory, "theory", "theory"),
                                               {.column = "simulated",
                                                .label = "simulated",
-                                               .style = LineStyle::kPoints,
-                                               .colour = colour_of(Role::kTrue)}}}},
+                                               .style = tools::LineStyle::kPoints,
+                                               .colour = tools::colour_of(tools::Role::kTrue)}}}},
                        .x_column = "load_Nm",
                        .x_label = "load against the motion [N m]"}};
   for (const double load_Nm : {0.0, 0.3, 0.6, 0.9, 1.2}) {
@@ -148,4 +148,4 @@ Validation servo_response() {
       .run = run_servo_response};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -8,7 +8,7 @@
 #include "lab/validate/theory.h"
 #include "sim_board/servo/servo.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kLoopPeriod_s = sim_board::PositionController::kPeriod_s;
@@ -110,4 +110,4 @@ double steady_speed_rad_per_s(const sim_board::ServoDescription& servo, double l
          (kt * kt / servo.resistance_ohm + servo.viscous_friction_Nm_s);
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -6,7 +6,7 @@
 #include "lab/validate/validation.h"
 #include "sim_board/description/description.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // A servo that turns a small link without gravity.
 struct ServoTrial {
@@ -37,4 +37,4 @@ struct ServoMotion {
 // forwards.
 [[nodiscard]] double steady_speed_rad_per_s(const sim_board::ServoDescription& servo, double load_Nm);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -9,7 +9,7 @@
 #include "sim_board/engine/make_world.h"
 #include "tools/plot/legend.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kFriction = 0.5;
@@ -64,7 +64,7 @@ Plot sliding_figure(const ValidationSetup& setup) {
       .figure = {.title = "A box on a slope, mu = 0.5",
                  .panels = {{.y_label = "speed down the slope [m/s]"}}}};
   std::size_t number = 0;
-  constexpr std::array kRoles{Role::kTrue, Role::kFirst, Role::kSecond};
+  constexpr std::array kRoles{tools::Role::kTrue, tools::Role::kFirst, tools::Role::kSecond};
   for (const double part : {0.95, 1.2, 2.0}) {
     const double slope_rad = std::atan(part * kFriction);
     const auto world = box_on(slope_rad, setup);
@@ -83,9 +83,9 @@ Plot sliding_figure(const ValidationSetup& setup) {
     plot.columns.emplace_back(name + "_theory", theory);
     plot.figure.panels[0].series.push_back({.column = name,
                                             .label = fmt::format("tan a = {} mu", part),
-                                            .colour = colour_of(kRoles.at(number++))});
+                                            .colour = tools::colour_of(kRoles.at(number++))});
     plot.figure.panels[0].series.push_back(
-        series(Role::kTheory, name + "_theory", part == 2.0 ? "theory" : ""));
+        tools::series(tools::Role::kTheory, name + "_theory", part == 2.0 ? "theory" : ""));
   }
   return plot;
 }
@@ -110,4 +110,4 @@ Validation slope() {
           .run = run_slope};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

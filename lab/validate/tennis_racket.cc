@@ -9,7 +9,7 @@
 #include "sim_board/engine/make_world.h"
 #include "tools/plot/legend.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Eigen::Vector3d;
@@ -145,8 +145,8 @@ void check_flips(const ValidationSetup& setup, Findings& findings) {
        .columns = {{"time_s", time_s}, {"simulated", simulated}, {"theory", exact}},
        .figure = {.title = "Rotation about the intermediate axis, moments of inertia 1 : 2 : 3",
                   .panels = {{.y_label = "rate about the axis [rad/s]",
-                              .series = {series(Role::kTrue, "simulated", "simulated"),
-                                         series(Role::kTheory, "theory", "theory")}}}}});
+                              .series = {tools::series(tools::Role::kTrue, "simulated", "simulated"),
+                                         tools::series(tools::Role::kTheory, "theory", "theory")}}}}});
 }
 
 // A small deviation from rotation about a stable axis moves on an ellipse. Its maximum is the semi-major
@@ -208,4 +208,4 @@ Validation tennis_racket() {
           .run = run_tennis_racket};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

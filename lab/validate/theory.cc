@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 double reduced_length_m(const HangingLink& link) {
   return (link.inertia_kg_m2 + link.mass_kg * link.arm_m * link.arm_m) / (link.mass_kg * link.arm_m);
@@ -67,4 +67,4 @@ double flip_time_s(const Moments& moments, const FreeBodyConstants& constants) {
   return 2.0 * std::comp_ellint_1(k) / p;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -4,7 +4,7 @@
 
 #include "lab/validate/rigs.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // One step of the classical Runge-Kutta method of fourth order for y' = derivative(y); State is a vector of
 // Eigen.
@@ -56,4 +56,4 @@ struct FreeBodyConstants {
 // where L^2 > 2 E I2; otherwise with I1 and I3 exchanged (Landau and Lifshitz, Mechanics, section 37).
 [[nodiscard]] double flip_time_s(const Moments& moments, const FreeBodyConstants& constants);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -10,7 +10,7 @@
 #include "sim_board/world/options.h"
 #include "tools/plot/figure.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 
 // The validations of `koboshi validate`: each simulates a small world whose motion is known from theory, and
 // compares the two.
@@ -40,8 +40,8 @@ struct Check {
 struct Plot {
   std::string name{};  // of its files, without ending
   std::string caption{};
-  Columns columns{};
-  Figure figure{};
+  tools::Columns columns{};
+  tools::Figure figure{};
 };
 
 struct Findings {
@@ -90,4 +90,4 @@ SimulationError servo_error_rad;            // largest error of position in a se
 // The exponent p of error = c step^p: least squares of the logarithms. Two or more, all positive.
 [[nodiscard]] double observed_order(const std::vector<double>& steps, const std::vector<double>& errors);
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -13,7 +13,7 @@
 #include "simulation/observe/statistics.h"
 #include "tools/plot/legend.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Eigen::Vector2d;
@@ -120,7 +120,7 @@ double moment_Nm(const sim_board::AnkleSensorDescription& ankle, double force_N,
 }
 
 // In the middle of the way down.
-constexpr Span kShown_s{3.9, 4.1};
+constexpr tools::Span kShown_s{3.9, 4.1};
 
 Plot figure(const Comparison& comparison) {
   return {
@@ -135,13 +135,13 @@ Plot figure(const Comparison& comparison) {
       .figure = {
           .title = "ZMP of the robot in squats, forward",
           .panels = {{.y_label = "ZMP x [mm]",
-                      .series = {series(Role::kMeasured, "sensors_x_mm", "ankle sensors"),
-                                 series(Role::kTrue, "contacts_x_mm", "contact forces (true)"),
-                                 series(Role::kTheory, "inertial_x_mm", "by the motion of all links")}},
+                      .series = {tools::series(tools::Role::kMeasured, "sensors_x_mm", "ankle sensors"),
+                                 tools::series(tools::Role::kTrue, "contacts_x_mm", "contact forces (true)"),
+                                 tools::series(tools::Role::kTheory, "inertial_x_mm", "by the motion of all links")}},
                      {.y_label = "against contact forces [um]",
-                      .series = {series(Role::kMeasured, "resolution_error_um",
+                      .series = {tools::series(tools::Role::kMeasured, "resolution_error_um",
                                         "sensors without noise and bias"),
-                                 series(Role::kTheory, "inertial_error_um", "by the motion of all links")}}},
+                                 tools::series(tools::Role::kTheory, "inertial_error_um", "by the motion of all links")}}},
           .x_span = kShown_s}};
 }
 
@@ -202,4 +202,4 @@ Validation zmp_comparison() {
       .run = run_zmp_comparison};
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -90,7 +90,6 @@ void RunController::open_recording(const std::filesystem::path& run) {
 void RunController::open_bus(const std::string& transport, const sim_board::TransportOptions& options,
                              const std::filesystem::path& robot) {
   bus_address_ = transport;
-  is_real_bus_ = options.real_bus;
   open(transport, [transport, options, robot]() -> Opened {
     std::unique_ptr<sim_board::Transport> opened = sim_board::open_transport(transport, options);
     if (!opened || !opened->is_live())

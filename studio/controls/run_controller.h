@@ -88,7 +88,6 @@ class RunController final : public QObject {  // Large: what every panel may ask
   std::shared_ptr<SdoLoan> borrow_sdo() { return bus_ ? bus_->borrow_sdo() : nullptr; }
   // The bus that open_bus() was called for last.
   const std::string& bus_address() const { return bus_address_; }
-  bool is_real_bus() const { return is_real_bus_; }
   // The robot of the simulation or on the bus; null for a recording.
   const sim_board::RobotDescription* robot() const;
   const SessionStatus& status() const { return status_; }
@@ -143,7 +142,6 @@ class RunController final : public QObject {  // Large: what every panel may ask
   std::unique_ptr<Session> session_;
   std::unique_ptr<BusMonitor> bus_;
   std::string bus_address_;
-  bool is_real_bus_ = false;
   std::unique_ptr<RecordedRun> recorded_;
   view::Recording recording_;
   SessionStatus status_;

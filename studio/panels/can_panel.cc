@@ -18,23 +18,23 @@
 namespace koboshi::studio {
 namespace {
 
-QString kind_name(tools::FrameKind kind) {
+QString kind_name(bus::FrameKind kind) {
   switch (kind) {
-    case tools::FrameKind::kNmt:
+    case bus::FrameKind::kNmt:
       return QStringLiteral("NMT");
-    case tools::FrameKind::kSync:
+    case bus::FrameKind::kSync:
       return QStringLiteral("SYNC");
-    case tools::FrameKind::kEmergency:
+    case bus::FrameKind::kEmergency:
       return QStringLiteral("EMCY");
-    case tools::FrameKind::kTime:
+    case bus::FrameKind::kTime:
       return QStringLiteral("TIME");
-    case tools::FrameKind::kPdo:
+    case bus::FrameKind::kPdo:
       return QStringLiteral("PDO");
-    case tools::FrameKind::kSdo:
+    case bus::FrameKind::kSdo:
       return QStringLiteral("SDO");
-    case tools::FrameKind::kHeartbeat:
+    case bus::FrameKind::kHeartbeat:
       return QStringLiteral("heartbeat");
-    case tools::FrameKind::kOther:
+    case bus::FrameKind::kOther:
       return QStringLiteral("other");
   }
   return {};
@@ -43,9 +43,9 @@ QString kind_name(tools::FrameKind kind) {
 }  // namespace
 
 FrameModel::FrameModel(QObject* parent)
-    : QAbstractTableModel(parent), names_(tools::object_names()), passing_(kIdentifiers, -1) {}
+    : QAbstractTableModel(parent), names_(bus::object_names()), passing_(kIdentifiers, -1) {}
 
-void FrameModel::set_recording(const view::Recording* recording, tools::Network network) {
+void FrameModel::set_recording(const view::Recording* recording, bus::Network network) {
   recording_ = recording;
   network_ = std::move(network);
   passing_.assign(kIdentifiers, -1);
@@ -93,7 +93,7 @@ bool FrameModel::passes(const hal::CanFrame& frame) {
   if (passing < 0) {
     const QString text = QStringLiteral("%1 %2 %3")
                              .arg(frame.identifier, 3, 16, QLatin1Char('0'))
-                             .arg(sender_of(frame), kind_name(tools::kind_of(frame)));
+                             .arg(sender_of(frame), kind_name(bus::kind_of(frame)));
     const QStringList words = filter_.split(QLatin1Char(' '), Qt::SkipEmptyParts);
     passing = std::ranges::all_of(
         words, [&](const QString& word) { return text.contains(word, Qt::CaseInsensitive); });
@@ -118,20 +118,20 @@ int FrameModel::rowCount(const QModelIndex& parent) const {
 int FrameModel::columnCount(const QModelIndex& parent) const { return parent.isValid() ? 0 : kColumns; }
 
 QString FrameModel::sender_of(const hal::CanFrame& frame) const {
-  if (const tools::Message* message = network_.find(frame.identifier))
+  if (const bus::Message* message = network_.find(frame.identifier))
     return QString::fromStdString(message->name);
-  const int node = tools::node_of(frame);
+  const int node = bus::node_of(frame);
   const auto known =
-      std::ranges::find(network_.nodes, node, [](const tools::NetworkNode& one) { return int{one.node_id}; });
+      std::ranges::find(network_.nodes, node, [](const bus::NetworkNode& one) { return int{one.node_id}; });
   if (node != 0 && known != network_.nodes.end()) return QString::fromStdString(known->name);
-  return kind_name(tools::kind_of(frame));
+  return kind_name(bus::kind_of(frame));
 }
 
 QString FrameModel::meaning_of(const hal::CanFrame& frame) const {
-  const std::string described = tools::describe(frame, names_);
+  const std::string described = bus::describe(frame, names_);
   if (!described.empty()) return QString::fromStdString(described);
   QStringList readings;
-  for (const tools::Reading& reading : tools::decode(network_, frame)) {
+  for (const bus::Reading& reading : bus::decode(network_, frame)) {
     const QString value = reading.name.empty()
                               ? QString::number(reading.value, 'g', 6)
                               : QString::fromUtf8(reading.name.data(), static_cast<int>(reading.name.size()));
@@ -157,7 +157,7 @@ QVariant FrameModel::data(const QModelIndex& index, int role) const {
     case kSender:
       return sender_of(frame.frame);
     case kData: {
-      const QString text = QString::fromStdString(tools::frame_text(frame.frame));
+      const QString text = QString::fromStdString(bus::frame_text(frame.frame));
       return text.mid(text.indexOf(QLatin1Char('#')) + 1);
     }
     case kMeaning:
@@ -217,7 +217,7 @@ CanPanel::CanPanel(QWidget* parent)
   layout->addWidget(count_);
 }
 
-void CanPanel::set_recording(const view::Recording* recording, tools::Network network, bool is_part) {
+void CanPanel::set_recording(const view::Recording* recording, bus::Network network, bool is_part) {
   recording_ = recording;
   is_part_ = is_part;
   nodes_->set_names(network.nodes);

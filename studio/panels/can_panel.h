@@ -29,7 +29,7 @@ class FrameModel final : public QAbstractTableModel {
 
   explicit FrameModel(QObject* parent = nullptr);
   // The recording must outlive the model, or the next call of this function. Null: none.
-  void set_recording(const view::Recording* recording, tools::Network network);
+  void set_recording(const view::Recording* recording, bus::Network network);
   // Adds the frames that the recording has got since; after a rewind, drops those that it has lost.
   void update();
   // Begins again: the recording has other frames.
@@ -53,8 +53,8 @@ class FrameModel final : public QAbstractTableModel {
   bool passes(const hal::CanFrame& frame);
 
   const view::Recording* recording_ = nullptr;
-  tools::Network network_;
-  tools::ObjectNames names_;
+  bus::Network network_;
+  bus::ObjectNames names_;
   QString filter_;
   std::vector<signed char> passing_;  // by identifier: 1 shown, 0 not, -1 unknown
   std::size_t seen_ = 0;              // frames of the recording
@@ -68,7 +68,7 @@ class CanPanel final : public QWidget {
  public:
   explicit CanPanel(QWidget* parent = nullptr);
   // As FrameModel::set_recording. `is_part`: the recording holds the frames around the cursor only.
-  void set_recording(const view::Recording* recording, tools::Network network, bool is_part = false);
+  void set_recording(const view::Recording* recording, bus::Network network, bool is_part = false);
   // Shows the recording's frames anew: they are others.
   void reset_frames();
   void update_frames();

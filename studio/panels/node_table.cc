@@ -48,7 +48,7 @@ QVariant NodeModel::data(const QModelIndex& index, int role) const {
   if (role != Qt::DisplayRole) return {};
   switch (index.column()) {
     case kNode: {
-      const auto name = std::ranges::find(names_, node.node_id, &tools::NetworkNode::node_id);
+      const auto name = std::ranges::find(names_, node.node_id, &bus::NetworkNode::node_id);
       return QStringLiteral("%1  %2")
           .arg(node.node_id)
           .arg(name == names_.end() ? QString() : QString::fromStdString(name->name));

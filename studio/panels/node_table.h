@@ -16,7 +16,7 @@ class NodeModel final : public QAbstractTableModel {
   enum Column { kNode, kState, kTransmitErrors, kReceiveErrors, kSent, kReceived, kLost, kColumns };
 
   explicit NodeModel(QObject* parent = nullptr) : QAbstractTableModel(parent) {}
-  void set_names(std::vector<tools::NetworkNode> names) { names_ = std::move(names); }
+  void set_names(std::vector<bus::NetworkNode> names) { names_ = std::move(names); }
   void show(std::vector<NodeStatus> nodes);
 
   int rowCount(const QModelIndex& parent = {}) const override;
@@ -25,7 +25,7 @@ class NodeModel final : public QAbstractTableModel {
   QVariant headerData(int section, Qt::Orientation orientation, int role) const override;
 
  private:
-  std::vector<tools::NetworkNode> names_;
+  std::vector<bus::NetworkNode> names_;
   std::vector<NodeStatus> nodes_;
 };
 

@@ -10,19 +10,19 @@ QString hex(unsigned value, int digits) {
   return QStringLiteral("%1").arg(value, digits, 16, QLatin1Char('0')).toUpper();
 }
 
-std::int64_t number_of(const tools::ObjectItem& item, const std::vector<std::uint8_t>& data) {
+std::int64_t number_of(const bus::ObjectItem& item, const std::vector<std::uint8_t>& data) {
   std::uint64_t number = 0;
   for (std::size_t i = 0; i < data.size() && i < 8; ++i) number |= std::uint64_t{data[i]} << (8 * i);
   const std::size_t bits = 8 * data.size();
-  if (tools::is_signed(item.data_type) && bits > 0 && bits < 64 && (number >> (bits - 1)) != 0)
+  if (bus::is_signed(item.data_type) && bits > 0 && bits < 64 && (number >> (bits - 1)) != 0)
     number |= ~std::uint64_t{0} << bits;
   return static_cast<std::int64_t>(number);
 }
 
 }  // namespace
 
-std::optional<std::vector<std::uint8_t>> object_bytes(const tools::ObjectItem& item, const QString& text) {
-  const unsigned bits = tools::size_bits(item.data_type);
+std::optional<std::vector<std::uint8_t>> object_bytes(const bus::ObjectItem& item, const QString& text) {
+  const unsigned bits = bus::size_bits(item.data_type);
   if (bits == 0) return std::nullopt;
   const QString trimmed = text.trimmed();
   bool ok = false;
@@ -35,7 +35,7 @@ std::optional<std::vector<std::uint8_t>> object_bytes(const tools::ObjectItem& i
     if (named == item.values.end()) return std::nullopt;
     number = named->value;
   }
-  const bool is_signed = tools::is_signed(item.data_type);
+  const bool is_signed = bus::is_signed(item.data_type);
   const qlonglong span = qlonglong{1} << bits;
   const qlonglong low = is_signed ? -span / 2 : 0;
   const qlonglong high = is_signed ? span / 2 - 1 : span - 1;
@@ -46,12 +46,12 @@ std::optional<std::vector<std::uint8_t>> object_bytes(const tools::ObjectItem& i
   return bytes;
 }
 
-void ObjectModel::set_kind(const tools::NodeKind* kind) {
+void ObjectModel::set_kind(const bus::NodeKind* kind) {
   beginResetModel();
   items_.clear();
   if (kind != nullptr)
-    for (const tools::Object& object : kind->objects)
-      for (const tools::ObjectItem& item : object.items) items_.push_back(&item);
+    for (const bus::Object& object : kind->objects)
+      for (const bus::ObjectItem& item : object.items) items_.push_back(&item);
   values_.assign(items_.size(), std::nullopt);
   endResetModel();
 }
@@ -59,7 +59,7 @@ void ObjectModel::set_kind(const tools::NodeKind* kind) {
 bool ObjectModel::readable(int row) const { return items_[static_cast<std::size_t>(row)]->access != "wo"; }
 
 int ObjectModel::row_of(canopen::ObjectAddress address) const {
-  const auto found = std::ranges::find(items_, address, &tools::ObjectItem::address);
+  const auto found = std::ranges::find(items_, address, &bus::ObjectItem::address);
   return found == items_.end() ? -1 : static_cast<int>(found - items_.begin());
 }
 
@@ -81,9 +81,9 @@ int ObjectModel::rowCount(const QModelIndex& parent) const {
 
 int ObjectModel::columnCount(const QModelIndex& parent) const { return parent.isValid() ? 0 : kColumns; }
 
-QString ObjectModel::text_of(const tools::ObjectItem& item, const Value& value) const {
+QString ObjectModel::text_of(const bus::ObjectItem& item, const Value& value) const {
   if (!value.error.isEmpty()) return value.error;
-  if (tools::size_bits(item.data_type) == 0)
+  if (bus::size_bits(item.data_type) == 0)
     return QString::fromLatin1(reinterpret_cast<const char*>(value.data.data()),
                                static_cast<int>(value.data.size()));
   const std::int64_t number = number_of(item, value.data);
@@ -103,7 +103,7 @@ QString ObjectModel::text_of(const tools::ObjectItem& item, const Value& value) 
 
 QVariant ObjectModel::data(const QModelIndex& index, int role) const {
   if (!index.isValid()) return {};
-  const tools::ObjectItem& item = *items_[static_cast<std::size_t>(index.row())];
+  const bus::ObjectItem& item = *items_[static_cast<std::size_t>(index.row())];
   const auto& value = values_[static_cast<std::size_t>(index.row())];
   if (role == Qt::FontRole && index.column() == kAddress)
     return QFontDatabase::systemFont(QFontDatabase::FixedFont);
@@ -113,7 +113,7 @@ QVariant ObjectModel::data(const QModelIndex& index, int role) const {
     if (item.limits) parts << tr("From %1 to %2.").arg(item.limits->low).arg(item.limits->high);
     if (!item.default_value.empty())
       parts << tr("Default: %1.").arg(QString::fromStdString(item.default_value));
-    if (value && value->error.isEmpty() && tools::size_bits(item.data_type) != 0) {
+    if (value && value->error.isEmpty() && bus::size_bits(item.data_type) != 0) {
       QString bytes;
       for (auto byte = value->data.rbegin(); byte != value->data.rend(); ++byte) bytes += hex(*byte, 2);
       parts << QStringLiteral("0x") + bytes;
@@ -121,7 +121,7 @@ QVariant ObjectModel::data(const QModelIndex& index, int role) const {
     return parts.join(QLatin1Char('\n'));
   }
   if (role == Qt::EditRole && index.column() == kValue)
-    return value && value->error.isEmpty() && tools::size_bits(item.data_type) != 0
+    return value && value->error.isEmpty() && bus::size_bits(item.data_type) != 0
                ? QVariant(QString::number(number_of(item, value->data)))
                : QVariant();
   if (role != Qt::DisplayRole) return {};
@@ -133,11 +133,11 @@ QVariant ObjectModel::data(const QModelIndex& index, int role) const {
     case kValue:
       return value ? text_of(item, *value) : QString();
     case kUnit:
-      return QString::fromStdString(tools::unit_text(item.unit));
+      return QString::fromStdString(bus::unit_text(item.unit));
     case kAccess:
       return QString::fromStdString(item.access);
     case kType:
-      return QString::fromStdString(tools::data_type_name(item.data_type));
+      return QString::fromStdString(bus::data_type_name(item.data_type));
   }
   return {};
 }
@@ -145,19 +145,19 @@ QVariant ObjectModel::data(const QModelIndex& index, int role) const {
 Qt::ItemFlags ObjectModel::flags(const QModelIndex& index) const {
   Qt::ItemFlags flags = QAbstractTableModel::flags(index);
   if (!index.isValid()) return flags;
-  const tools::ObjectItem& item = *items_[static_cast<std::size_t>(index.row())];
-  const bool writable = item.access.find('w') != std::string::npos && tools::size_bits(item.data_type) != 0;
+  const bus::ObjectItem& item = *items_[static_cast<std::size_t>(index.row())];
+  const bool writable = item.access.find('w') != std::string::npos && bus::size_bits(item.data_type) != 0;
   if (index.column() == kValue && writable) flags |= Qt::ItemIsEditable;
   return flags;
 }
 
 bool ObjectModel::setData(const QModelIndex& index, const QVariant& value, int role) {
   if (role != Qt::EditRole || !index.isValid()) return false;
-  const tools::ObjectItem& item = *items_[static_cast<std::size_t>(index.row())];
+  const bus::ObjectItem& item = *items_[static_cast<std::size_t>(index.row())];
   const auto bytes = object_bytes(item, value.toString());
   if (!bytes) {
     Q_EMIT refused(tr("Found %1, expected %2 or the name of a value")
-                       .arg(value.toString(), QString::fromStdString(tools::data_type_name(item.data_type))));
+                       .arg(value.toString(), QString::fromStdString(bus::data_type_name(item.data_type))));
     return false;
   }
   Q_EMIT edited(index.row(), *bytes);

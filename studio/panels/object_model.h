@@ -19,7 +19,7 @@ class ObjectModel final : public QAbstractTableModel {
 
   explicit ObjectModel(QObject* parent = nullptr) : QAbstractTableModel(parent) {}
   // `kind` must outlive the model, or the next call of this function. Null: none.
-  void set_kind(const tools::NodeKind* kind);
+  void set_kind(const bus::NodeKind* kind);
   canopen::ObjectAddress address(int row) const { return items_[static_cast<std::size_t>(row)]->address; }
   bool readable(int row) const;
   // The row of an object, -1: none.
@@ -46,14 +46,14 @@ class ObjectModel final : public QAbstractTableModel {
     QString error;  // of the last access; empty: none
   };
 
-  QString text_of(const tools::ObjectItem& item, const Value& value) const;
+  QString text_of(const bus::ObjectItem& item, const Value& value) const;
 
-  std::vector<const tools::ObjectItem*> items_;
+  std::vector<const bus::ObjectItem*> items_;
   std::vector<std::optional<Value>> values_;
 };
 
 // Returns the bytes of a value as a user writes it: a decimal or hexadecimal (0x) number, or one of the
 // object's value names. Nothing for text that is no value of this object.
-std::optional<std::vector<std::uint8_t>> object_bytes(const tools::ObjectItem& item, const QString& text);
+std::optional<std::vector<std::uint8_t>> object_bytes(const bus::ObjectItem& item, const QString& text);
 
 }  // namespace koboshi::studio

@@ -101,8 +101,8 @@ void ObjectPanel::set_robot(const sim_board::RobotDescription* robot) {
   message_->clear();
   setEnabled(robot != nullptr);
   if (robot == nullptr) return;
-  kinds_ = tools::documented_kinds(simulation::load_named_model(*robot).model);
-  for (const tools::NetworkNode& node : tools::network_nodes(*robot)) {
+  kinds_ = bus::documented_kinds(simulation::load_named_model(*robot).model);
+  for (const bus::NetworkNode& node : bus::network_nodes(*robot)) {
     if (node.node_id == 0) continue;
     node_->addItem(QStringLiteral("%1  %2").arg(node.node_id).arg(QString::fromStdString(node.name)),
                    QVariantList{node.node_id, QLatin1String(kind_of_node(node.node_id, *robot))});
@@ -119,7 +119,7 @@ void ObjectPanel::show_node() {
   const QVariantList chosen = node_->currentData().toList();
   if (chosen.isEmpty()) return model_->set_kind(nullptr);
   const std::string name = chosen.back().toString().toStdString();
-  const auto kind = std::ranges::find(kinds_, name, &tools::NodeKind::name);
+  const auto kind = std::ranges::find(kinds_, name, &bus::NodeKind::name);
   model_->set_kind(kind == kinds_.end() ? nullptr : &*kind);
   message_->clear();
 }
@@ -162,7 +162,7 @@ void ObjectPanel::take_answer(const simulation::ObjectAnswer& answer) {
     if (pending.writes) message_->clear();
     return;
   }
-  const QString error = QString::fromUtf8(tools::SdoAborted(answer.abort).what());
+  const QString error = QString::fromUtf8(bus::SdoAborted(answer.abort).what());
   if (pending.writes) {
     message_->setText(tr("Not written: %1").arg(error));
   } else {

@@ -50,7 +50,7 @@ class ObjectPanel final : public QWidget {
     bool writes = false;
   };
 
-  std::vector<tools::NodeKind> kinds_;
+  std::vector<bus::NodeKind> kinds_;
   ObjectModel* const model_;
   QSortFilterProxyModel* const shown_;
   QComboBox* const node_;

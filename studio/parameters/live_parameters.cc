@@ -119,7 +119,7 @@ void LiveParameters::take_write(const Access& access, const simulation::ObjectAn
     state.refusal.clear();
     state.waits = info.effect == app::kAtNextWalk && said_ == behaviour::State::kWalking;
   } else {
-    state.refusal = tools::text_of(answer.abort);
+    state.refusal = bus::text_of(answer.abort);
   }
   if (const auto next = std::exchange(wanted_[access.index], std::nullopt)) write(access.index, *next);
 }

@@ -38,8 +38,7 @@ class PlotWidget final : public TimeAxisWidget {
 
   // The shown range of values, in the unit of the traces.
   std::pair<double, double> limits() const;
-  // Height of the legend, and of the curves below it.
-  double legend_height() const { return legend_.height(); }
+  // Height of the curves below the legend.
   double curve_height() const { return area().rect.height(); }
   // The texts of the legend, without the values.
   QStringList legend_texts() const { return legend_.texts(); }

@@ -25,16 +25,16 @@ namespace {
 constexpr std::uint16_t kSyncIdentifier = 0x080;
 constexpr std::uint64_t kWait_us = 1000;
 // The robot's process or this one may pause for longer than the 100 ms that a simulation allows.
-constexpr std::uint64_t kSdoTimeout_us = tools::SdoTransfer::kTimeout_us;
+constexpr std::uint64_t kSdoTimeout_us = bus::SdoTransfer::kTimeout_us;
 // Without SYNC, as after a stop of the controller, samples come at this interval.
 constexpr std::uint64_t kLongestSample_us = 100'000;
 constexpr const char* kPosition = "position_actual_value";
 
 // The index of each message's first signal, if all are in one list.
-std::map<std::uint16_t, std::size_t> first_signals_of(const tools::Network& network) {
+std::map<std::uint16_t, std::size_t> first_signals_of(const bus::Network& network) {
   std::map<std::uint16_t, std::size_t> first;
   std::size_t next = 0;
-  for (const tools::Message& message : network.messages) {
+  for (const bus::Message& message : network.messages) {
     first[message.identifier] = next;
     next += message.signals.size();
   }
@@ -42,10 +42,10 @@ std::map<std::uint16_t, std::size_t> first_signals_of(const tools::Network& netw
 }
 
 // The signals of all messages, under "message.signal".
-std::vector<view::Signal> signals_of(const tools::Network& network) {
+std::vector<view::Signal> signals_of(const bus::Network& network) {
   std::vector<view::Signal> signals;
-  for (const tools::Message& message : network.messages) {
-    for (const tools::Signal& signal : message.signals) {
+  for (const bus::Message& message : network.messages) {
+    for (const bus::Signal& signal : message.signals) {
       view::Signal& shown = signals.emplace_back();
       shown.name = message.name + "." + signal.name;
       shown.unit = signal.unit;
@@ -56,13 +56,13 @@ std::vector<view::Signal> signals_of(const tools::Network& network) {
   return signals;
 }
 
-view::Recording make_head(const sim_board::RobotDescription& robot, const tools::Network& network,
+view::Recording make_head(const sim_board::RobotDescription& robot, const bus::Network& network,
                           const std::string& place) {
   view::Recording head;
   head.title = place;
   head.complete = false;
   head.scene = view::make_scene(robot, sim_board::GroundDescription());
-  for (const tools::NetworkNode& node : network.nodes)
+  for (const bus::NetworkNode& node : network.nodes)
     if (node.node_id != 0) head.nodes.push_back({node.node_id, node.name});
   head.signals = signals_of(network);
   return head;
@@ -79,7 +79,7 @@ struct BusMonitor::Placer {
 BusMonitor::BusMonitor(std::unique_ptr<sim_board::Transport> transport,
                        const std::filesystem::path& robot_file)
     : robot_(sim_board::load_robot(robot_file)),
-      network_(tools::make_network(robot_)),
+      network_(bus::make_network(robot_)),
       transport_(std::move(transport)),
       place_(transport_->place()),
       first_signals_(first_signals_of(network_)),
@@ -159,7 +159,7 @@ void BusMonitor::run(const std::stop_token& stop) {
       }
       if (!sync && now_us() - sampled_us >= kLongestSample_us) add_sample(sampled_us = now_us());
       transport_->flush();
-      tools::wait_for_frames(*transport_, kWait_us);
+      bus::wait_for_frames(*transport_, kWait_us);
     }
     end_walk();
     restore_deadline();
@@ -220,7 +220,7 @@ bool BusMonitor::send(const hal::CanFrame& frame) {
 
 void BusMonitor::send(const simulation::Command& command) {
   for (const hal::CanFrame& frame : simulation::command_frames(command)) {
-    tools::send_surely(*transport_, frame);
+    bus::send_surely(*transport_, frame);
     inbox_.add_frame({.end_us = now_us_, .frame = frame});
     take_values(frame);
   }
@@ -255,9 +255,9 @@ void BusMonitor::take_frame(const hal::CanFrame& frame, std::uint64_t now_us) {
 void BusMonitor::take_values(const hal::CanFrame& frame) {
   const auto first = first_signals_.find(frame.identifier);
   if (first == first_signals_.end() || frame.remote) return;
-  const tools::Message& message = *network_.find(frame.identifier);
+  const bus::Message& message = *network_.find(frame.identifier);
   const auto joint = std::ranges::find(robot_.joints, message.sender, &sim_board::JointDescription::name);
-  for (const tools::Reading& reading : tools::decode(network_, frame)) {
+  for (const bus::Reading& reading : bus::decode(network_, frame)) {
     values_[first->second + static_cast<std::size_t>(reading.signal - message.signals.data())] =
         static_cast<float>(reading.value);
     if (joint == robot_.joints.end() || reading.signal->name != kPosition) continue;
@@ -268,21 +268,21 @@ void BusMonitor::take_values(const hal::CanFrame& frame) {
 }
 
 void BusMonitor::take_event(const hal::CanFrame& frame, std::uint64_t now_us) {
-  const tools::FrameKind kind = tools::kind_of(frame);
+  const bus::FrameKind kind = bus::kind_of(frame);
   if (frame.remote) return;  // node guarding asks; the answer is the event
-  if (kind == tools::FrameKind::kHeartbeat) {
-    const auto node = static_cast<std::uint8_t>(tools::node_of(frame));
+  if (kind == bus::FrameKind::kHeartbeat) {
+    const auto node = static_cast<std::uint8_t>(bus::node_of(frame));
     const std::uint8_t state = frame.data[0] & 0x7F;
     const auto [known, first] = nmt_states_.try_emplace(node, state);
     if (!first && std::exchange(known->second, state) == state) return;
-  } else if (kind != tools::FrameKind::kNmt && kind != tools::FrameKind::kEmergency) {
+  } else if (kind != bus::FrameKind::kNmt && kind != bus::FrameKind::kEmergency) {
     return;
   }
-  const int id = tools::node_of(frame);
+  const int id = bus::node_of(frame);
   const auto node =
-      std::ranges::find(network_.nodes, id, [](const tools::NetworkNode& one) { return int{one.node_id}; });
+      std::ranges::find(network_.nodes, id, [](const bus::NetworkNode& one) { return int{one.node_id}; });
   const std::string name = id != 0 && node != network_.nodes.end() ? node->name + ": " : std::string();
-  events_.push_back({now_us, "can", name + tools::describe(frame)});
+  events_.push_back({now_us, "can", name + bus::describe(frame)});
   inbox_.set_events(events_);
 }
 
@@ -290,7 +290,7 @@ void BusMonitor::take_event(const hal::CanFrame& frame, std::uint64_t now_us) {
 void BusMonitor::take_foreign(const sim_board::ForeignFrame& frame, std::uint64_t now_us) {
   if (std::exchange(foreign_seen_.at(static_cast<std::size_t>(frame.kind)), true)) return;
   events_.push_back({now_us, "can",
-                     "not decoded: " + sim_board::frame_notation(frame) + ", " + tools::describe(frame) +
+                     "not decoded: " + sim_board::frame_notation(frame) + ", " + bus::describe(frame) +
                          "; further ones are skipped"});
   inbox_.set_events(events_);
 }

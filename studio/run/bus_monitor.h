@@ -50,7 +50,7 @@ class BusMonitor {
   // A recording without its samples, events and frames.
   const view::Recording& head() const { return head_; }
   const sim_board::RobotDescription& robot() const { return robot_; }
-  const tools::Network& network() const { return network_; }
+  const bus::Network& network() const { return network_; }
 
   [[nodiscard]] Batch take() { return inbox_.take(); }
   // Sends commands and accesses objects. Returns false for input that only a simulation can take.
@@ -86,7 +86,7 @@ class BusMonitor {
   void add_sample(std::uint64_t now_us);
 
   const sim_board::RobotDescription robot_;
-  const tools::Network network_;
+  const bus::Network network_;
   const std::unique_ptr<sim_board::Transport> transport_;
   const std::string place_;
   const std::map<std::uint16_t, std::size_t> first_signals_;  // of each message, by identifier

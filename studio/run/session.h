@@ -120,7 +120,6 @@ class Session final : private sim_board::BusObserver {
   void run(const std::stop_token& stop);
   void obey(const Job& job);
   void advance();
-  void advance_unrecorded();
   void pace();
   void apply(const Input& input);
   void begin_recording();

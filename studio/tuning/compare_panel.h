@@ -47,7 +47,6 @@ class ComparePanel final : public QWidget {
   // Reads the scenario and lets the two sets walk.
   void start();
   void set_playing(bool playing);
-  bool is_playing() const { return playing_; }
   // Null before the first comparison.
   Comparison* comparison() { return comparison_.get(); }
   RobotView& view();

@@ -36,8 +36,6 @@ class StudyPanel final : public QWidget {
 
   // Lists the studies of this folder.
   void set_folder(const std::filesystem::path& studies);
-  // The program that searches; by default `koboshi` beside this one.
-  void set_program(const std::filesystem::path& koboshi) { program_ = koboshi; }
   StudySettings settings() const;
   void set_settings(const StudySettings& settings);
 
@@ -65,7 +63,7 @@ class StudyPanel final : public QWidget {
   void show_table();
   void end(int status, QProcess::ExitStatus how);
 
-  std::filesystem::path program_;
+  const std::filesystem::path program_;  // that searches: `koboshi` beside this one
   QComboBox* const study_;
   QSpinBox* const evaluations_;
   QSpinBox* const seeds_;

@@ -47,7 +47,7 @@ void WalkAgain::take_answer(const simulation::ObjectAnswer& answer) {
   const bool refused = answer.abort != canopen::AbortCode::kNone;
   if (stage_ == Stage::kWalk || refused) {
     stage_ = Stage::kIdle;
-    if (refused) Q_EMIT failed(QString::fromStdString(tools::text_of(answer.abort)));
+    if (refused) Q_EMIT failed(QString::fromStdString(bus::text_of(answer.abort)));
     return;
   }
   const bool stands =

@@ -214,8 +214,8 @@ void Panels::show_opened() {
   plots_->set_follow(run_.robot() != nullptr);
   events_->forget();
   can_->set_recording(&recording,
-                      run_.robot() != nullptr ? tools::make_network(*run_.robot())
-                                              : view::network_of(recording, tools::Network()),
+                      run_.robot() != nullptr ? bus::make_network(*run_.robot())
+                                              : view::network_of(recording, bus::Network()),
                       run_.is_windowed());
   can_->show_nodes(run_.status());
   objects_->set_robot(run_.robot());

@@ -54,7 +54,7 @@ void SimulatedUpload::take_answer(const simulation::ObjectAnswer& answer) {
   if (!under_way_ || (!is_write && answer.number != last_request_)) return;
   if (answer.abort != canopen::AbortCode::kNone) {
     under_way_.reset();
-    return Q_EMIT failed(QString::fromStdString(tools::text_of(answer.abort)));
+    return Q_EMIT failed(QString::fromStdString(bus::text_of(answer.abort)));
   }
   if (is_write) return;
   const UploadedMotion motion = *std::exchange(under_way_, std::nullopt);

@@ -15,16 +15,16 @@ namespace {
 const std::filesystem::path kWalk = std::filesystem::path(KOBOSHI_SOURCE_DIR) / "scenarios/walk.yaml";
 
 TEST(GyroFeedback, IsIndependentOfTheNumberOfCores) {
-  GyroFeedbackOptions options;
+  lab::GyroFeedbackOptions options;
   options.scenario = kWalk;
   options.overrides = {{"duration_s", "5.5"}};
   options.points = {8};
   options.feedback = {true};
   options.disturbed = true;
   options.seeds = 2;
-  const Experiment experiment = make_gyro_feedback(options);
-  const std::string alone = to_csv(experiment, play_experiment(experiment, {.jobs = 1}));
-  EXPECT_EQ(to_csv(experiment, play_experiment(experiment, {.jobs = 2})), alone);
+  const lab::Experiment experiment = lab::make_gyro_feedback(options);
+  const std::string alone = lab::to_csv(experiment, lab::play_experiment(experiment, {.jobs = 1}));
+  EXPECT_EQ(lab::to_csv(experiment, lab::play_experiment(experiment, {.jobs = 2})), alone);
   const std::size_t first = alone.find("\n8,on,1,");
   const std::size_t second = alone.find("\n8,on,2,");
   ASSERT_NE(second, std::string::npos) << alone;
@@ -33,11 +33,11 @@ TEST(GyroFeedback, IsIndependentOfTheNumberOfCores) {
 }
 
 TEST(GyroFeedback, ChangesTheMotionButNotTheEstimate) {
-  GyroFeedbackOptions options;
+  lab::GyroFeedbackOptions options;
   options.scenario = kWalk;
   options.disturbed = true;
-  const simulation::Scenario plain = gyro_feedback_scenario(options, 8, true);
-  const simulation::Scenario seeded = seeded_walk(plain, options, 5);
+  const simulation::Scenario plain = lab::gyro_feedback_scenario(options, 8, true);
+  const simulation::Scenario seeded = lab::seeded_walk(plain, options, 5);
   const simulation::Simulation nominal(plain);
   const simulation::Simulation changed(seeded);
   EXPECT_EQ(changed.model().image, nominal.model().image);
@@ -47,13 +47,13 @@ TEST(GyroFeedback, ChangesTheMotionButNotTheEstimate) {
   EXPECT_FALSE(seeded.pushes.empty());
 }
 
-TEST(ScenarioTrial, ReportsWhyItEnded) {
+TEST(lab::ScenarioTrial, ReportsWhyItEnded) {
   const std::vector<Override> overrides{{"duration_s", "1"},
                                         {"faults", "[{at_s: 0, kind: controller_stop}]"}};
   const simulation::Scenario scenario =
       simulation::read_scenario(std::filesystem::path(KOBOSHI_SOURCE_DIR) / "scenarios/go.yaml", overrides);
-  const ScenarioTrial trial = play_scenario(scenario, {});
-  EXPECT_EQ(trial.outcome, Outcome::kFailed);
+  const lab::ScenarioTrial trial = lab::play_scenario(scenario, {});
+  EXPECT_EQ(trial.outcome, lab::Outcome::kFailed);
   EXPECT_THAT(trial.error, testing::HasSubstr("the controller does not take"));
 }
 

@@ -40,7 +40,7 @@ class Learn : public testing::Test {
                      {.name = "last", .world = "rough", .forward_m_per_s = {0.05, 0.1}}};
     study_.reward.lean = 1.0;
   }
-  TrainingOptions options(const char* folder, std::size_t jobs = 1) const {
+  lab::TrainingOptions options(const char* folder, std::size_t jobs = 1) const {
     return {.out = tree_.root() / folder, .jobs = jobs};
   }
   std::string contents(const char* folder, const char* file) const {
@@ -55,14 +55,14 @@ class Learn : public testing::Test {
   }
 
   simulation::TemporaryTree tree_;
-  LearningStudy study_;
+  lab::LearningStudy study_;
 };
 
 struct Killed {};
 
 TEST_F(Learn, GivesTheSameBytesWithTwoThreadsAndAfterAnInterruption) {
-  const TrainingOptions undisturbed = options("one");
-  const TrainingResult result = train(study_, undisturbed);
+  const lab::TrainingOptions undisturbed = options("one");
+  const lab::TrainingResult result = lab::train(study_, undisturbed);
   EXPECT_EQ(result.generations, 2u);
   EXPECT_EQ(result.engine.generation, 0u);
   EXPECT_EQ(result.engine.offset, 0.0) << "the first network adds nothing";
@@ -76,31 +76,31 @@ TEST_F(Learn, GivesTheSameBytesWithTwoThreadsAndAfterAnInterruption) {
           .model;
   EXPECT_FALSE(simulation::read_policy_image(undisturbed.out / "policy.kpol", model).empty());
 
-  static_cast<void>(train(study_, options("two", 2)));
+  static_cast<void>(lab::train(study_, options("two", 2)));
   expect_same_results("one", "two");
 
   // Interrupted after the first generation, while the second one has written half a line.
-  const TrainingOptions resumed = options("three");
-  EXPECT_THROW(static_cast<void>(train(study_, resumed, [](const TrainingProgress&) { throw Killed(); })),
+  const lab::TrainingOptions resumed = options("three");
+  EXPECT_THROW(static_cast<void>(lab::train(study_, resumed, [](const lab::TrainingProgress&) { throw Killed(); })),
                Killed);
   std::ofstream(resumed.out / "log.jsonl", std::ios::app) << "{\"generation\":2,\"sta";
-  static_cast<void>(train(study_, resumed));
+  static_cast<void>(lab::train(study_, resumed));
   expect_same_results("one", "three");
 
   // A finished training has nothing left to do.
-  static_cast<void>(train(study_, resumed));
+  static_cast<void>(lab::train(study_, resumed));
   expect_same_results("one", "three");
 }
 
 TEST_F(Learn, ResumesAfterItsLastGeneration) {
-  TrainingOptions first = options("out");
+  lab::TrainingOptions first = options("out");
   first.until = 1;
-  EXPECT_EQ(train(study_, first).generations, 1u);
+  EXPECT_EQ(lab::train(study_, first).generations, 1u);
   EXPECT_FALSE(std::filesystem::exists(first.out / "report.md"));
   // Another study may not go on in this folder.
   tree_.write("tiny.yaml", "# changed\n");
   try {
-    static_cast<void>(train(study_, first));
+    static_cast<void>(lab::train(study_, first));
     FAIL() << "it is not refused";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("state.json: found a training with another study"));

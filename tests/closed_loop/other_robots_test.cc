@@ -49,7 +49,7 @@ class OtherRobots : public testing::Test {
 double height_of_up(const sim_board::SimBoard& board) { return board.world().body(0).X_WL.linear()(2, 2); }
 
 std::int64_t read_number(Pc& pc, canopen::ObjectAddress address) {
-  const std::vector<std::uint8_t> bytes = tools::SdoTransfer(pc, drive::kControllerNodeId).upload(address);
+  const std::vector<std::uint8_t> bytes = bus::SdoTransfer(pc, drive::kControllerNodeId).upload(address);
   if (bytes.size() == 1) return bytes[0];
   return static_cast<std::int16_t>(bytes.at(0) | bytes.at(1) << 8);
 }

@@ -24,12 +24,12 @@ Options short_recovery(std::size_t seeds) {
 }
 
 TEST(StandUp, GetsUpFromEveryDroppedPose) {
-  const auto options = short_recovery<StandUpOptions>(2);
-  const Experiment experiment = make_stand_up(options);
-  const ExperimentResult result = play_experiment(experiment, {});
-  const Conclusions conclusions = experiment.conclude(experiment, result);
+  const auto options = short_recovery<lab::StandUpOptions>(2);
+  const lab::Experiment experiment = lab::make_stand_up(options);
+  const lab::ExperimentResult result = lab::play_experiment(experiment, {});
+  const lab::Conclusions conclusions = experiment.conclude(experiment, result);
   EXPECT_EQ(conclusions.values.at("success_rate"), 1.0);
-  for (const StandUpTrial& trial : stand_up_fields().trials(result.cells[0])) {
+  for (const lab::StandUpTrial& trial : lab::stand_up_fields().trials(result.cells[0])) {
     EXPECT_GT(trial.time_s, 1.5);
     EXPECT_GT(trial.history.peak_torque_Nm, 0.5);
     // A motor makes twice its stall torque at most: driven backwards at its no-load speed.
@@ -39,31 +39,31 @@ TEST(StandUp, GetsUpFromEveryDroppedPose) {
 }
 
 TEST(StandUp, StaysDownWithoutItsMotions) {
-  auto options = short_recovery<StandUpOptions>(1);
+  auto options = short_recovery<lab::StandUpOptions>(1);
   options.overrides.push_back({"motions", "[robots/koboshi/motions/stand.yaml]"});
-  const Experiment experiment = make_stand_up(options);
-  const ExperimentResult result = play_experiment(experiment, {});
+  const lab::Experiment experiment = lab::make_stand_up(options);
+  const lab::ExperimentResult result = lab::play_experiment(experiment, {});
   EXPECT_EQ(experiment.conclude(experiment, result).values.at("success_rate"), 0.0);
 }
 
 TEST(FallDetection, PredictsFallsFromPushesAndNoneWhileWalking) {
-  auto options = short_recovery<FallDetectionOptions>(1);
+  auto options = short_recovery<lab::FallDetectionOptions>(1);
   options.walk_s = 6.0;
-  const Experiment experiment = make_fall_detection(options);
-  const ExperimentResult result = play_experiment(experiment, {});
-  const Conclusions conclusions = experiment.conclude(experiment, result);
+  const lab::Experiment experiment = lab::make_fall_detection(options);
+  const lab::ExperimentResult result = lab::play_experiment(experiment, {});
+  const lab::Conclusions conclusions = experiment.conclude(experiment, result);
   EXPECT_EQ(conclusions.values.at("false_alarms_per_10_min"), 0.0);
   EXPECT_NEAR(conclusions.values.at("walked_s").get<double>(), 10.0, 0.1);
   EXPECT_GT(conclusions.values.at("lead_mean_s").get<double>(), 0.1);
-  EXPECT_TRUE(fall_fields().trials(result.cells[0]).at(0).fell);
+  EXPECT_TRUE(lab::fall_fields().trials(result.cells[0]).at(0).fell);
 }
 
 TEST(Marathon, StandsAtTheEnd) {
-  auto options = short_recovery<MarathonOptions>(1);
+  auto options = short_recovery<lab::MarathonOptions>(1);
   options.hours = 0.03;
-  const Experiment experiment = make_marathon(options);
-  const ExperimentResult result = play_experiment(experiment, {});
-  const Conclusions conclusions = experiment.conclude(experiment, result);
+  const lab::Experiment experiment = lab::make_marathon(options);
+  const lab::ExperimentResult result = lab::play_experiment(experiment, {});
+  const lab::Conclusions conclusions = experiment.conclude(experiment, result);
   EXPECT_EQ(conclusions.values.at("stands_at_the_end"), 1);
   EXPECT_GT(conclusions.values.at("distance_m_total").get<double>(), 0.5);
 }
@@ -80,15 +80,15 @@ Options in_mujoco(std::size_t seeds, std::uint64_t first_seed) {
 // the steps unsettled, when the lifts were set to the slips three times.
 TEST(Contacts, HoldInFallsAndInGettingUp) {
   if (!sim_board::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
-  const auto options = in_mujoco<ExperimentSetup>(2, 9);
-  const Experiment experiment = make_contacts(options);
-  const ExperimentResult result = play_experiment(experiment, {});
-  const FieldTable<ContactsTrial> fields =
-      contacts_fields(sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf"));
-  for (const CellResult& cell : result.cells) {
-    for (const ContactsTrial& trial : fields.trials(cell)) EXPECT_NE(trial.outcome, Outcome::kSurvived);
+  const auto options = in_mujoco<lab::ExperimentSetup>(2, 9);
+  const lab::Experiment experiment = lab::make_contacts(options);
+  const lab::ExperimentResult result = lab::play_experiment(experiment, {});
+  const lab::FieldTable<lab::ContactsTrial> fields =
+      lab::contacts_fields(sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf"));
+  for (const lab::CellResult& cell : result.cells) {
+    for (const lab::ContactsTrial& trial : fields.trials(cell)) EXPECT_NE(trial.outcome, lab::Outcome::kSurvived);
   }
-  const Conclusions conclusions = experiment.conclude(experiment, result);
+  const lab::Conclusions conclusions = experiment.conclude(experiment, result);
   EXPECT_LT(conclusions.values.at("deepest_without_force_m").get<double>(), 0.001);
   EXPECT_LT(conclusions.values.at("unsettled_share").get<double>(), 0.001);
   EXPECT_GT(conclusions.values.at("largest_overlap_m").get<double>(), 0.0);
@@ -99,9 +99,9 @@ TEST(Contacts, HoldInFallsAndInGettingUp) {
 // step in which they met.
 TEST(Contacts, SlowLinksDownBeforeTheyOverlap) {
   if (!sim_board::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
-  Experiment experiment = make_contacts(in_mujoco<ExperimentSetup>(1, 20096));
-  const ExperimentResult result = play_experiment(experiment, {});
-  const Conclusions conclusions = experiment.conclude(experiment, result);
+  lab::Experiment experiment = lab::make_contacts(in_mujoco<lab::ExperimentSetup>(1, 20096));
+  const lab::ExperimentResult result = lab::play_experiment(experiment, {});
+  const lab::Conclusions conclusions = experiment.conclude(experiment, result);
   EXPECT_LT(conclusions.values.at("largest_overlap_m").get<double>(), 0.0005);
 }
 

@@ -47,7 +47,7 @@ TEST(SdoUpload, ByBlocksIsFastDuringAWalk) {
   test::Pc pc(simulation, kServer, [&] { server.process(); });
   pc.advance_until_us(5'000'000);  // the robot is walking
   const sim_board::BusUsage before = board.electronics().bus().usage();
-  const std::vector<std::uint8_t> data = tools::SdoTransfer(pc, kServer).upload({0x2100, 1});
+  const std::vector<std::uint8_t> data = bus::SdoTransfer(pc, kServer).upload({0x2100, 1});
   const double duration_s = 1e-6 * static_cast<double>(board.now_us() - before.time_us);
   const double speed_bytes_per_s = static_cast<double>(data.size()) / duration_s;
   EXPECT_EQ(data, server.bytes());

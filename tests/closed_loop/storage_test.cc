@@ -47,7 +47,7 @@ std::vector<std::uint8_t> image_of(const std::string& motion, const simulation::
 canopen::AbortCode refusal(const std::function<void()>& transfer) {
   try {
     transfer();
-  } catch (const tools::SdoAborted& aborted) {
+  } catch (const bus::SdoAborted& aborted) {
     return aborted.code();
   }
   return canopen::AbortCode::kNone;
@@ -56,7 +56,7 @@ canopen::AbortCode refusal(const std::function<void()>& transfer) {
 TEST(Storage, PlaysAMotionDownloadedOverTheBus) {
   simulation::Simulation simulation(stand());
   test::Pc pc(simulation, kController);
-  tools::SdoTransfer sdo(pc, kController);
+  bus::SdoTransfer sdo(pc, kController);
   const std::vector<std::uint8_t> image = image_of("squat", simulation);
   pc.advance_until_us(kStanding_us);
 
@@ -103,7 +103,7 @@ TEST(Storage, TrimsCompensateServoOffsets) {
           }
         });
     test::Pc pc(simulation, kController);
-    tools::SdoTransfer sdo(pc, kController);
+    bus::SdoTransfer sdo(pc, kController);
     pc.advance_until_us(1'500'000);  // limp
     for (const std::string& name : ankles) {
       if (!trimmed) continue;

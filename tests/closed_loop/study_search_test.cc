@@ -40,19 +40,19 @@ class StudySearch : public testing::Test {
                  .seeds = 1,
                  .evaluations = 16}};
   }
-  SearchResult search(Method with) {
+  lab::SearchResult search(lab::Method with) {
     options_.method = with;
-    return search_study(study_, options_, [this](const SearchProgress& progress) { progress_ = progress; });
+    return lab::search_study(study_, options_, [this](const lab::SearchProgress& progress) { progress_ = progress; });
   }
 
   simulation::TemporaryTree tree_;
-  Study study_;
-  StudyOptions options_;
-  SearchProgress progress_;
+  lab::Study study_;
+  lab::StudyOptions options_;
+  lab::SearchProgress progress_;
 };
 
 TEST_F(StudySearch, WritesItsLogAndItsResult) {
-  const SearchResult result = search(Method::kCmaEs);
+  const lab::SearchResult result = search(lab::Method::kCmaEs);
   EXPECT_EQ(result.score, 1.0);
   EXPECT_EQ(progress_.done, 16u);
   EXPECT_EQ(lines(options_.out / "evaluations.csv"), 17);
@@ -67,10 +67,10 @@ TEST_F(StudySearch, WritesItsLogAndItsResult) {
 }
 
 TEST_F(StudySearch, ResumesFromItsLogWithTheSameResult) {
-  static_cast<void>(search(Method::kCmaEs));
+  static_cast<void>(search(lab::Method::kCmaEs));
   const std::string first = contents(options_.out / "evaluations.csv");
   const auto played = lines(options_.out / "trials.jsonl");
-  static_cast<void>(search(Method::kCmaEs));
+  static_cast<void>(search(lab::Method::kCmaEs));
   EXPECT_EQ(contents(options_.out / "evaluations.csv"), first);
   EXPECT_EQ(lines(options_.out / "trials.jsonl"), played) << "nothing is played twice";
 }
@@ -88,7 +88,7 @@ class InfeasibleStudySearch : public StudySearch {
 };
 
 TEST_F(InfeasibleStudySearch, CountsInfeasibleCandidatesByTheirLimitAndContinues) {
-  const SearchResult result = search(Method::kCmaEs);
+  const lab::SearchResult result = search(lab::Method::kCmaEs);
   EXPECT_EQ(progress_.done, 16u);
   EXPECT_EQ(result.evaluations, 16u);
   EXPECT_EQ(result.score, 1.0);
@@ -101,7 +101,7 @@ TEST_F(InfeasibleStudySearch, CountsInfeasibleCandidatesByTheirLimitAndContinues
   EXPECT_THAT(contents(options_.out / "report.md"),
               HasSubstr(std::to_string(infeasible) + " of 16 candidates infeasible: "));
   // Resumed, it comes to the same end.
-  EXPECT_EQ(search(Method::kCmaEs).infeasible, result.infeasible);
+  EXPECT_EQ(search(lab::Method::kCmaEs).infeasible, result.infeasible);
   EXPECT_EQ(contents(options_.out / "evaluations.csv"), evaluations);
 }
 
@@ -115,12 +115,12 @@ class ShardedStudySearch : public InfeasibleStudySearch {
     std::filesystem::create_directory(shards_.out);
   }
   void play(std::size_t number) {
-    static_cast<void>(play_study_shard(study_, shards_, {number, kShards}, {}));
+    static_cast<void>(lab::play_study_shard(study_, shards_, {number, kShards}, {}));
   }
-  SearchResult merge() { return merge_study(study_, shards_, kShards, {}); }
-  std::string shard(std::size_t number) { return contents(shard_file(shards_.out, {number, kShards})); }
+  lab::SearchResult merge() { return lab::merge_study(study_, shards_, kShards, {}); }
+  std::string shard(std::size_t number) { return contents(lab::shard_file(shards_.out, {number, kShards})); }
   void cut(std::size_t number, std::size_t bytes) {
-    std::ofstream(shard_file(shards_.out, {number, kShards}), std::ios::binary)
+    std::ofstream(lab::shard_file(shards_.out, {number, kShards}), std::ios::binary)
         << shard(number).substr(0, bytes);
   }
   void expect_the_files_of_one_program() {
@@ -130,11 +130,11 @@ class ShardedStudySearch : public InfeasibleStudySearch {
   }
 
   static constexpr std::size_t kShards = 3;
-  StudyOptions shards_;
+  lab::StudyOptions shards_;
 };
 
 TEST_F(ShardedStudySearch, MergesIntoTheFilesOfOneProgram) {
-  const SearchResult alone = search(Method::kCmaEs);
+  const lab::SearchResult alone = search(lab::Method::kCmaEs);
   {
     std::vector<std::jthread> threads;
     for (std::size_t number = 1; number <= kShards; ++number)
@@ -148,15 +148,15 @@ TEST_F(ShardedStudySearch, MergesIntoTheFilesOfOneProgram) {
 }
 
 TEST_F(ShardedStudySearch, GoesOnWithoutShardsThatDiedAndAfterAKill) {
-  static_cast<void>(search(Method::kCmaEs));
+  static_cast<void>(search(lab::Method::kCmaEs));
   play(2);  // alone: it plays the parts of the others
   cut(2, shard(2).size() / 2);
   EXPECT_THROW(static_cast<void>(merge()), InputError);
   EXPECT_FALSE(std::filesystem::exists(shards_.out / "evaluations.csv"));
-  for (const ShardProgress& progress : study_progress(study_, shards_, kShards))
+  for (const lab::ShardProgress& progress : lab::study_progress(study_, shards_, kShards))
     EXPECT_FALSE(progress.is_complete());
   play(3);
-  for (const ShardProgress& progress : study_progress(study_, shards_, kShards))
+  for (const lab::ShardProgress& progress : lab::study_progress(study_, shards_, kShards))
     EXPECT_TRUE(progress.is_complete());
   static_cast<void>(merge());
   expect_the_files_of_one_program();
@@ -166,7 +166,7 @@ TEST_F(ShardedStudySearch, HasIslands) {
   options_.evaluations = shards_.evaluations = 48;
   options_.islands = shards_.islands = 2;
   options_.migrate = shards_.migrate = 1;
-  static_cast<void>(search(Method::kCmaEs));
+  static_cast<void>(search(lab::Method::kCmaEs));
   EXPECT_EQ(lines(options_.out / "evaluations.csv"), 49);
   play(1);
   static_cast<void>(merge());
@@ -174,24 +174,24 @@ TEST_F(ShardedStudySearch, HasIslands) {
 }
 
 TEST_F(ShardedStudySearch, RefusesWhatHasNoShards) {
-  shards_.method = Method::kNsga2;
+  shards_.method = lab::Method::kNsga2;
   EXPECT_THROW(play(1), InputError);
 }
 
 TEST_F(ShardedStudySearch, HasInputsThatNameTheStart) {
-  const std::string inputs = study_inputs(study_, options_);
-  EXPECT_EQ(study_inputs(study_, shards_), inputs);
+  const std::string inputs = lab::study_inputs(study_, options_);
+  EXPECT_EQ(lab::study_inputs(study_, shards_), inputs);
   study_.numbers[0].start = 0.165;
-  EXPECT_NE(study_inputs(study_, options_), inputs);
+  EXPECT_NE(lab::study_inputs(study_, options_), inputs);
 }
 
 TEST_F(InfeasibleStudySearch, RefusesAnInfeasibleStart) {
   study_.numbers[0].start = 0.25;
-  EXPECT_THROW(static_cast<void>(search(Method::kCmaEs)), InputError);
+  EXPECT_THROW(static_cast<void>(search(lab::Method::kCmaEs)), InputError);
 }
 
 TEST_F(StudySearch, ReportsNonDominatedCandidates) {
-  static_cast<void>(search(Method::kNsga2));
+  static_cast<void>(search(lab::Method::kNsga2));
   EXPECT_EQ(lines(options_.out / "evaluations.csv"), 17);
   EXPECT_EQ(lines(options_.out / "front.csv"), 17) << "all that stand are worth the same";
 }

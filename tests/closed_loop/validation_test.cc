@@ -10,18 +10,18 @@
 
 namespace koboshi::tools {
 
-void PrintTo(const Validation& validation, std::ostream* out) { *out << validation.name; }
+void PrintTo(const lab::Validation& validation, std::ostream* out) { *out << validation.name; }
 
 namespace {
 
-class Physics : public testing::TestWithParam<Validation> {};
+class Physics : public testing::TestWithParam<lab::Validation> {};
 
 TEST_P(Physics, AgreesWithTheory) {
-  const ValidationSetup setup{.short_form = true, .scenario = KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"};
-  const ValidationResult result = play(GetParam(), setup);
+  const lab::ValidationSetup setup{.short_form = true, .scenario = KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"};
+  const lab::ValidationResult result = lab::play(GetParam(), setup);
   ASSERT_FALSE(result.findings.checks.empty());
   double largest_error = 0.0;
-  for (const Check& check : result.findings.checks) {
+  for (const lab::Check& check : result.findings.checks) {
     EXPECT_TRUE(check.passed()) << check.quantity << ": theory " << check.theory << ", simulated "
                                 << check.simulated << ", tolerance " << check.tolerance << " " << check.unit;
     largest_error = std::max(largest_error, std::abs(check.error()));
@@ -30,8 +30,8 @@ TEST_P(Physics, AgreesWithTheory) {
   EXPECT_GT(largest_error, 0.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Validate, Physics, testing::ValuesIn(all_validations()),
-                         [](const testing::TestParamInfo<Validation>& tested) {
+INSTANTIATE_TEST_SUITE_P(Validate, Physics, testing::ValuesIn(lab::all_validations()),
+                         [](const testing::TestParamInfo<lab::Validation>& tested) {
                            std::string name = tested.param.name;
                            std::ranges::replace(name, '-', '_');
                            return name;

@@ -27,29 +27,29 @@ Options short_form() {
 
 // Slowly over a short way, and then at a command that the robot does not follow by half.
 TEST(WalkingSpeed, SustainsASlowWalkAndNoImpossibleOne) {
-  WalkingSpeedOptions options = short_form<WalkingSpeedOptions>();
+  lab::WalkingSpeedOptions options = short_form<lab::WalkingSpeedOptions>();
   options.distance_m = 0.5;
-  options.ladders = {{.direction = SpeedLadder::Direction::kForward, .commands = {0.15, 2.0}}};
-  const Experiment experiment = make_walking_speed(options);
-  const ExperimentResult result = play_experiment(experiment, {});
-  const Conclusions conclusions = walking_speed_conclusions(experiment, result);
-  const Climb climb = climb_of(experiment.ladders[0], result);
+  options.ladders = {{.direction = lab::SpeedLadder::Direction::kForward, .commands = {0.15, 2.0}}};
+  const lab::Experiment experiment = lab::make_walking_speed(options);
+  const lab::ExperimentResult result = lab::play_experiment(experiment, {});
+  const lab::Conclusions conclusions = lab::walking_speed_conclusions(experiment, result);
+  const lab::Climb climb = lab::climb_of(experiment.ladders[0], result);
   ASSERT_EQ(climb.highest, 0u);
-  EXPECT_EQ(climb.stop, Stop::kTooMany);
+  EXPECT_EQ(climb.stop, lab::Stop::kTooMany);
   const double made_m_per_s = conclusions.values.at("forward_m_per_s");
   EXPECT_GT(made_m_per_s, 0.05);
   EXPECT_LT(made_m_per_s, 0.15) << "faster than it was told to";
-  EXPECT_GT(speed_fields().trials(result.cells[0]).at(0).energy_J_per_m, 1.0);
+  EXPECT_GT(lab::speed_fields().trials(result.cells[0]).at(0).energy_J_per_m, 1.0);
 }
 
 TEST(PushRecovery, SurvivesASmallPushButNotALargeOne) {
-  PushRecoveryOptions options = short_form<PushRecoveryOptions>();
+  lab::PushRecoveryOptions options = short_form<lab::PushRecoveryOptions>();
   options.directions = 1;
   options.highest_N_s_per_kg = 1.0;
   options.halvings = 2;
-  const Experiment experiment = make_push_recovery(options);
-  const ExperimentResult result = play_experiment(experiment, {});
-  const Conclusions conclusions = experiment.conclude(experiment, result);
+  const lab::Experiment experiment = lab::make_push_recovery(options);
+  const lab::ExperimentResult result = lab::play_experiment(experiment, {});
+  const lab::Conclusions conclusions = experiment.conclude(experiment, result);
   const double standing = conclusions.values.at("standing_min_Ns_per_kg");
   EXPECT_GE(standing, 0.25);
   EXPECT_LE(standing, 0.5) << "0.75 is all that was asked";
@@ -57,51 +57,51 @@ TEST(PushRecovery, SurvivesASmallPushButNotALargeOne) {
 }
 
 TEST(Terrain, PassesOnAFloorAndFailsOnASteepSlope) {
-  TerrainOptions options = short_form<TerrainOptions>();
+  lab::TerrainOptions options = short_form<lab::TerrainOptions>();
   options.distance_m = 0.4;
-  Experiment experiment = make_terrain(options);
-  Ladder uphill = experiment.ladders[1];
+  lab::Experiment experiment = lab::make_terrain(options);
+  lab::Ladder uphill = experiment.ladders[1];
   ASSERT_EQ(uphill.name, "uphill");
   uphill.cells = {uphill.cells.front(), uphill.cells.back()};  // 0 and 20 degrees
   experiment.ladders = {uphill};
-  const ExperimentResult result = play_experiment(experiment, {});
-  ASSERT_EQ(climb_of(uphill, result).highest, uphill.cells.front());
+  const lab::ExperimentResult result = lab::play_experiment(experiment, {});
+  ASSERT_EQ(lab::climb_of(uphill, result).highest, uphill.cells.front());
   EXPECT_EQ(experiment.conclude(experiment, result).values.at("uphill_passed"), 0.0);
 }
 
 TEST(Robustness, TakesLevelsForOneFactor) {
-  RobustnessOptions options = short_form<RobustnessOptions>();
+  lab::RobustnessOptions options = short_form<lab::RobustnessOptions>();
   options.scenario = KOBOSHI_SOURCE_DIR "/scenarios/get_up.yaml";
   options.activities = {"push-standing", "push-on-the-spot"};
   options.levels = {0.25, 0.3};
-  EXPECT_THROW(make_robustness(options), InputError);
+  EXPECT_THROW(lab::make_robustness(options), InputError);
   options.factors = {"impulse"};
-  EXPECT_EQ(make_robustness(options).cells.size(), 4u);
+  EXPECT_EQ(lab::make_robustness(options).cells.size(), 4u);
   options.levels = {0.3, 0.25};
-  EXPECT_THROW(make_robustness(options), InputError);
+  EXPECT_THROW(lab::make_robustness(options), InputError);
 }
 
 // The weakest and the hardest push at a standing robot, in two directions; all other factors are nominal.
 TEST(Robustness, CountsEachKindOfLossUpToTheCliff) {
-  RobustnessOptions options = short_form<RobustnessOptions>();
+  lab::RobustnessOptions options = short_form<lab::RobustnessOptions>();
   options.scenario = KOBOSHI_SOURCE_DIR "/scenarios/get_up.yaml";
   options.activities = {"push-standing"};
   options.factors = {"impulse"};
   options.seeds = 2;
-  Experiment experiment = make_robustness(options);
+  lab::Experiment experiment = lab::make_robustness(options);
   ASSERT_EQ(experiment.ladders.size(), 1u);
-  Ladder& impulse = experiment.ladders.front();
+  lab::Ladder& impulse = experiment.ladders.front();
   const std::size_t weakest = impulse.cells.front();
   const std::size_t hardest = impulse.cells.back();
   impulse.cells = {weakest, hardest};
-  const ExperimentResult result = play_experiment(experiment, {});
-  for (const RobustnessTrial& trial : robustness_fields().trials(result.cells[weakest]))
+  const lab::ExperimentResult result = lab::play_experiment(experiment, {});
+  for (const lab::RobustnessTrial& trial : lab::robustness_fields().trials(result.cells[weakest]))
     EXPECT_FALSE(trial.lost);
-  const auto pushed_over = robustness_fields().trials(result.cells[hardest]);
+  const auto pushed_over = lab::robustness_fields().trials(result.cells[hardest]);
   ASSERT_EQ(pushed_over.size(), 2u);
-  for (const RobustnessTrial& trial : pushed_over) {
+  for (const lab::RobustnessTrial& trial : pushed_over) {
     EXPECT_TRUE(trial.lost);
-    EXPECT_TRUE(trial.outcome == Outcome::kFell || trial.outcome == Outcome::kGaveUp);
+    EXPECT_TRUE(trial.outcome == lab::Outcome::kFell || trial.outcome == lab::Outcome::kGaveUp);
   }
   const auto lost =
       experiment.conclude(experiment, result).values.at("lost").at("push-standing").at("impulse");
@@ -112,19 +112,19 @@ TEST(Robustness, CountsEachKindOfLossUpToTheCliff) {
 // The feedback of the rate is proportional below its clamp: with it, the loop has a gain; without any
 // feedback, that of the DCM included, the trunk does not care what the gyro senses.
 TEST(Loop, HasAGainOnlyWithFeedback) {
-  LoopOptions options = short_form<LoopOptions>();
+  lab::LoopOptions options = short_form<lab::LoopOptions>();
   options.states = {"walking"};
   options.axes = {"roll"};
   options.frequencies_Hz = {5.6};
   options.shortest_s = 2.0;
   const auto gain = [&] {
-    const Experiment experiment = make_loop(options);
-    const LoopTrial trial = loop_fields().trials(play_experiment(experiment, {}).cells.front()).at(0);
-    EXPECT_EQ(trial.outcome, Outcome::kSurvived) << trial.error;
+    const lab::Experiment experiment = lab::make_loop(options);
+    const lab::LoopTrial trial = lab::loop_fields().trials(lab::play_experiment(experiment, {}).cells.front()).at(0);
+    EXPECT_EQ(trial.outcome, lab::Outcome::kSurvived) << trial.error;
     return std::hypot(trial.gain_real.value_or(0.0), trial.gain_imaginary.value_or(0.0));
   };
   const double closed = gain();
-  for (const Feedback& feedback : feedbacks()) {
+  for (const lab::Feedback& feedback : lab::feedbacks()) {
     for (const std::string& name : feedback.parameters)
       options.overrides.push_back({"parameters." + name, "0"});
   }

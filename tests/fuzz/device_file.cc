@@ -5,6 +5,6 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace koboshi;
   static fuzz::InputFile file("device.eds");
-  fuzz::read_or_refuse([&] { return tools::read_device_file(file.with({data, size}), 0x10); });
+  fuzz::read_or_refuse([&] { return bus::read_device_file(file.with({data, size}), 0x10); });
   return 0;
 }

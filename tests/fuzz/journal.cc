@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto read = [](const std::string& text) {
     const std::string_view view = text;
     return fuzz::read_or_refuse([&] {
-      return tools::read_journal(
+      return lab::read_journal(
           file.with({reinterpret_cast<const std::uint8_t*>(view.data()), view.size()}));
     });
   };
@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   own.insert(brace + 1, std::string("\"origin\": \"") + tools::kOrigin + "\",");
   const auto journal = read(own);
   if (!journal || !*journal) return 0;
-  const auto again = read(tools::journal_text(**journal));
-  if (!again || !*again || tools::journal_text(**again) != tools::journal_text(**journal)) __builtin_trap();
+  const auto again = read(lab::journal_text(**journal));
+  if (!again || !*again || lab::journal_text(**again) != lab::journal_text(**journal)) __builtin_trap();
   return 0;
 }

@@ -5,6 +5,6 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace koboshi;
   static fuzz::InputFile file("study.yaml");
-  fuzz::read_or_refuse([&] { return tools::read_learning_study(file.with({data, size})); });
+  fuzz::read_or_refuse([&] { return lab::read_learning_study(file.with({data, size})); });
   return 0;
 }

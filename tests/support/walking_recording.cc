@@ -231,15 +231,15 @@ Recording walking_recording(const WalkingRecordingOptions& options) {
   return recording;
 }
 
-const tools::Network& walking_network() {
-  static const tools::Network network = [] {
-    tools::Network made{.nodes = {{1, "controller"}}, .messages = {}};
+const bus::Network& walking_network() {
+  static const bus::Network network = [] {
+    bus::Network made{.nodes = {{1, "controller"}}, .messages = {}};
     for (int drive = 0; drive < 40; ++drive) {
       const std::string name = drive == 0   ? "left_drive"
                                : drive == 1 ? "right_drive"
                                             : "drive_" + std::to_string(drive);
       made.nodes.push_back({static_cast<std::uint8_t>(kFirstDrive + drive), name});
-      tools::Message message;
+      bus::Message message;
       message.identifier = static_cast<std::uint16_t>(0x180 + kFirstDrive + drive);
       message.name = name + "_tpdo1";
       message.size_bytes = 7;

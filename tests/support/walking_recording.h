@@ -18,6 +18,6 @@ struct WalkingRecordingOptions {
 Recording walking_recording(const WalkingRecordingOptions& options = {});
 
 // The messages on the bus of that recording.
-const tools::Network& walking_network();
+const bus::Network& walking_network();
 
 }  // namespace koboshi::view

@@ -91,12 +91,12 @@ std::vector<RobotMotion> RobotMotions::list() {
   return motions;
 }
 
-std::vector<std::uint8_t> RobotMotions::download(std::uint16_t number, const SdoProgress& progress) {
+std::vector<std::uint8_t> RobotMotions::download(std::uint16_t number, const bus::SdoProgress& progress) {
   return sdo_.upload(object_of(app::kMotionObject, number), progress);
 }
 
 void RobotMotions::upload(std::uint16_t number, std::span<const std::uint8_t> image,
-                          const SdoProgress& progress) {
+                          const bus::SdoProgress& progress) {
   sdo_.download(object_of(app::kMotionObject, number), image, progress);
   if (!std::ranges::equal(download(number), image))
     throw std::runtime_error(fmt::format("motion {} reads back with other bytes", number));
@@ -132,7 +132,7 @@ RobotMotions::Telemetry RobotMotions::next_telemetry() {
   while (Clock::now() < deadline) {
     const auto frame = transport_.receive();
     if (!frame) {
-      wait_for_frames(transport_, 1'000);
+      bus::wait_for_frames(transport_, 1'000);
     } else if (frame->identifier == kTelemetryId && frame->size == 8 && !frame->remote) {
       return {static_cast<State>(frame->data[0]), static_cast<Reason>(frame->data[1]), frame->data[2],
               static_cast<Reason>(frame->data[7])};
@@ -147,7 +147,7 @@ void RobotMotions::play(std::uint16_t number) {
   command.data[0] = static_cast<std::uint8_t>(behaviour::Command::kPlay);
   command.data[1] = static_cast<std::uint8_t>(number);
   command.data[2] = static_cast<std::uint8_t>(number >> 8);
-  send_surely(transport_, command);
+  bus::send_surely(transport_, command);
   while (transport_.receive()) {  // sent before the command
   }
   Telemetry now = next_telemetry();

@@ -30,10 +30,10 @@ class RobotMotions {
   // Returns the motions that the robot can play, in the order of their numbers.
   std::vector<RobotMotion> list();
   // Returns the image of a motion.
-  std::vector<std::uint8_t> download(std::uint16_t number, const SdoProgress& progress = {});
+  std::vector<std::uint8_t> download(std::uint16_t number, const bus::SdoProgress& progress = {});
   // Stores an image under this number and reads it back. Throws std::runtime_error if the robot returns other
   // bytes.
-  void upload(std::uint16_t number, std::span<const std::uint8_t> image, const SdoProgress& progress = {});
+  void upload(std::uint16_t number, std::span<const std::uint8_t> image, const bus::SdoProgress& progress = {});
 
   // Returns the number of the motion with this name, or of one that `text` is the number of. Throws
   // std::invalid_argument with the names there are.
@@ -53,7 +53,7 @@ class RobotMotions {
   Telemetry next_telemetry();
 
   sim_board::Transport& transport_;
-  SdoTransfer sdo_;
+  bus::SdoTransfer sdo_;
 };
 
 }  // namespace koboshi::tools

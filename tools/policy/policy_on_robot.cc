@@ -14,7 +14,7 @@ void PolicyOnRobot::upload(std::span<const std::byte> image) {
   const std::span bytes{reinterpret_cast<const std::uint8_t*>(image.data()), image.size()};
   try {
     sdo_.download({app::kPolicyObject, 0}, bytes);
-  } catch (const SdoAborted& aborted) {
+  } catch (const bus::SdoAborted& aborted) {
     if (aborted.code() == canopen::AbortCode::kInvalidValue)
       throw std::runtime_error("the robot refuses the policy: it is not for this robot");
     if (aborted.code() == canopen::AbortCode::kDeviceState)

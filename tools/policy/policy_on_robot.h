@@ -24,7 +24,7 @@ class PolicyOnRobot {
   std::vector<std::uint8_t> download();
 
  private:
-  SdoTransfer sdo_;
+  bus::SdoTransfer sdo_;
 };
 
 }  // namespace koboshi::tools

@@ -135,7 +135,7 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   simulation::RunRecorder recorder(simulation, &files, recording_or_none);
   if (recording) report_mesh_faults(*recording, recorder.events(), options.warn);
   if (options.view != nullptr) {
-    options.view->start(view::recording_head(simulation), make_network(simulation.robot()));
+    options.view->start(view::recording_head(simulation), bus::make_network(simulation.robot()));
   }
   live.attach(simulation.board().electronics().bus());
   if (options.ready) options.ready(live);

@@ -120,7 +120,7 @@ Recording head_of(const simulation::Scenario& scenario, const sim_board::RobotDe
   head.seed = scenario.seed;
   head.stepper = sim_board::name_of(scenario.physics.stepper);
   head.version = KOBOSHI_VERSION;
-  for (tools::NetworkNode& node : tools::network_nodes(robot))
+  for (bus::NetworkNode& node : bus::network_nodes(robot))
     head.nodes.push_back({node.node_id, std::move(node.name)});
   head.scene = make_scene(robot, board.ground(), board.free_bodies());
   return head;

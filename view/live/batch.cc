@@ -78,18 +78,18 @@ void BatchMaker::add_push(const Push& push) { pushes_.push_back(push); }
 
 void BatchMaker::add_frame(const Frame& one) {
   const hal::CanFrame& frame = one.frame;
-  const tools::FrameKind kind = tools::kind_of(frame);
+  const bus::FrameKind kind = bus::kind_of(frame);
   std::uint16_t text = kNoText;
-  if (kind != tools::FrameKind::kPdo && texts_.size() < kNoText) {
+  if (kind != bus::FrameKind::kPdo && texts_.size() < kNoText) {
     text = static_cast<std::uint16_t>(texts_.size());
-    texts_.push_back(tools::describe(frame));
+    texts_.push_back(bus::describe(frame));
   }
   put(frame_bytes_, static_cast<double>(one.end_us));
   put(frame_bytes_, frame.identifier);
   put(frame_bytes_, frame.size);
   put(frame_bytes_, static_cast<std::uint8_t>(frame.remote));
   put(frame_bytes_, static_cast<std::uint8_t>(kind));
-  put(frame_bytes_, static_cast<std::uint8_t>(tools::node_of(frame)));
+  put(frame_bytes_, static_cast<std::uint8_t>(bus::node_of(frame)));
   put(frame_bytes_, text);
   put(frame_bytes_, frame.data);
   ++frames_;

@@ -46,8 +46,8 @@ ordered_json keys_json(const PageKeys& keys) {
 // In the order of tools::FrameKind.
 ordered_json kinds_json() {
   ordered_json kinds = ordered_json::array();
-  for (int kind = 0; kind <= static_cast<int>(tools::FrameKind::kOther); ++kind)
-    kinds.push_back(kind_text(static_cast<tools::FrameKind>(kind)));
+  for (int kind = 0; kind <= static_cast<int>(bus::FrameKind::kOther); ++kind)
+    kinds.push_back(kind_text(static_cast<bus::FrameKind>(kind)));
   return kinds;
 }
 
@@ -69,7 +69,7 @@ class LiveView::Server {
 
   Hub& hub() { return hub_; }
 
-  void start(const Recording& head, const tools::Network& network) {
+  void start(const Recording& head, const bus::Network& network) {
     links_ = head.scene.links.size();
     signals_ = head.signals.size();
     maker_.emplace(links_, signals_);
@@ -224,7 +224,7 @@ LiveView::~LiveView() = default;
 
 void LiveView::set_keys(PageKeys keys) { server_->hub().keys = std::move(keys); }
 
-void LiveView::start(const Recording& head, const tools::Network& network) { server_->start(head, network); }
+void LiveView::start(const Recording& head, const bus::Network& network) { server_->start(head, network); }
 
 void LiveView::close() { server_->close(); }
 

@@ -49,7 +49,7 @@ class LiveView final : public RecordingListener {
   void set_keys(PageKeys keys);
   // Begins to answer. `head` is a recording without its samples, events, pushes and frames. The thread
   // inherits the blocked signals of the caller.
-  void start(const Recording& head, const tools::Network& network);
+  void start(const Recording& head, const bus::Network& network);
   // Sends the rest and that the run has ended, and closes. Returns after half a second at the latest.
   void close();
 

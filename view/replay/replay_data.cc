@@ -205,20 +205,20 @@ class Texts {
   std::vector<std::string> list_;
 };
 
-ordered_json group_json(ColumnPack& pack, const FrameGroup& group, const tools::ObjectNames& names,
+ordered_json group_json(ColumnPack& pack, const FrameGroup& group, const bus::ObjectNames& names,
                         Texts& texts) {
   const hal::CanFrame& first = *group.frames.front();
-  const tools::FrameKind kind = tools::kind_of(first);
+  const bus::FrameKind kind = bus::kind_of(first);
   ordered_json bytes = ordered_json::array();
   for (std::size_t i = 0; i < first.size && !first.remote; ++i) {
     bytes.push_back(integer_column(pack, group.frames, [i](const auto* frame) { return frame->data[i]; }));
   }
   ordered_json json = {{"identifier", first.identifier}, {"size", first.size},
                        {"remote", first.remote},         {"kind", kind_text(kind)},
-                       {"node", tools::node_of(first)},  {"bytes", bytes}};
-  if (kind != tools::FrameKind::kPdo) {
+                       {"node", bus::node_of(first)},  {"bytes", bytes}};
+  if (kind != bus::FrameKind::kPdo) {
     json["texts"] = integer_column(pack, group.frames, [&](const auto* frame) {
-      return texts.index_of(tools::describe(*frame, names));
+      return texts.index_of(bus::describe(*frame, names));
     });
   }
   return json;
@@ -231,7 +231,7 @@ ordered_json frames_json(ColumnPack& pack, const std::vector<Frame>& frames) {
     groups[{frame.identifier, frame.size, frame.remote}].frames.push_back(&frame);
   }
   Texts texts;
-  const tools::ObjectNames names = tools::object_names();
+  const bus::ObjectNames names = bus::object_names();
   ordered_json list = ordered_json::array();
   for (auto& [key, group] : groups) {
     group.index = list.size();
@@ -247,14 +247,14 @@ ordered_json frames_json(ColumnPack& pack, const std::vector<Frame>& frames) {
           {"texts", texts.list()}};
 }
 
-ordered_json json_of(const tools::Network& network) {
+ordered_json json_of(const bus::Network& network) {
   ordered_json nodes = ordered_json::array();
-  for (const tools::NetworkNode& node : network.nodes)
+  for (const bus::NetworkNode& node : network.nodes)
     nodes.push_back({{"id", node.node_id}, {"name", node.name}});
   ordered_json messages = ordered_json::array();
-  for (const tools::Message& message : network.messages) {
+  for (const bus::Message& message : network.messages) {
     ordered_json signals = ordered_json::array();
-    for (const tools::Signal& signal : message.signals) {
+    for (const bus::Signal& signal : message.signals) {
       ordered_json values = ordered_json::array();
       for (const canopen::ValueName& value : signal.values) values.push_back({value.value, value.name});
       signals.push_back({{"name", signal.name},
@@ -296,21 +296,21 @@ ordered_json run_json(PagePack& pack, const Recording& recording) {
 
 }  // namespace
 
-const char* kind_text(tools::FrameKind kind) {
+const char* kind_text(bus::FrameKind kind) {
   switch (kind) {
-    case tools::FrameKind::kNmt:
+    case bus::FrameKind::kNmt:
       return "NMT";
-    case tools::FrameKind::kSync:
+    case bus::FrameKind::kSync:
       return "SYNC";
-    case tools::FrameKind::kEmergency:
+    case bus::FrameKind::kEmergency:
       return "EMCY";
-    case tools::FrameKind::kTime:
+    case bus::FrameKind::kTime:
       return "TIME";
-    case tools::FrameKind::kPdo:
+    case bus::FrameKind::kPdo:
       return "PDO";
-    case tools::FrameKind::kSdo:
+    case bus::FrameKind::kSdo:
       return "SDO";
-    case tools::FrameKind::kHeartbeat:
+    case bus::FrameKind::kHeartbeat:
       return "heartbeat";
     default:
       return "other";
@@ -329,7 +329,7 @@ ordered_json push_json(const Push& push) {
           {"force", json_of(push.f_W_N)}};
 }
 
-std::string replay_data(const Recording& recording, const Recording* other, const tools::Network& network) {
+std::string replay_data(const Recording& recording, const Recording* other, const bus::Network& network) {
   PagePack pack;
   ordered_json header = {{"run", run_json(pack, recording)}, {"network", json_of(network)}};
   if (other != nullptr) {

@@ -18,11 +18,11 @@ inline constexpr double kForceQuantum_N = 1e-3;
 // The data of a replay page: the length of a JSON header (32 bits, little-endian), the header, and the
 // columns that it describes (column_pack.h). `other`, a second run for comparison, may be null. The network
 // decodes the PDOs; without messages they are shown as bytes.
-std::string replay_data(const Recording& recording, const Recording* other, const tools::Network& network);
+std::string replay_data(const Recording& recording, const Recording* other, const bus::Network& network);
 
 // Parts of it.
 nlohmann::ordered_json event_json(const Event& event);
 nlohmann::ordered_json push_json(const Push& push);
-const char* kind_text(tools::FrameKind kind);
+const char* kind_text(bus::FrameKind kind);
 
 }  // namespace koboshi::view

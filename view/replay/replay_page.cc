@@ -131,19 +131,19 @@ std::string page_of(const std::string& title, const std::string& policy, std::st
 
 }  // namespace
 
-tools::Network network_of(const Recording& recording, tools::Network network) {
-  tools::Network recorded;
+bus::Network network_of(const Recording& recording, bus::Network network) {
+  bus::Network recorded;
   for (const CanNode& node : recording.nodes)
     recorded.nodes.push_back({static_cast<std::uint8_t>(node.id), node.name});
-  const auto is_known = [&](const tools::NetworkNode& node) {
-    return std::ranges::any_of(network.nodes, [&](const tools::NetworkNode& other) {
+  const auto is_known = [&](const bus::NetworkNode& node) {
+    return std::ranges::any_of(network.nodes, [&](const bus::NetworkNode& other) {
       return other.node_id == node.node_id && other.name == node.name;
     });
   };
   return std::ranges::all_of(recorded.nodes, is_known) ? std::move(network) : std::move(recorded);
 }
 
-std::string replay_page(const Recording& recording, const Recording* other, const tools::Network& network) {
+std::string replay_page(const Recording& recording, const Recording* other, const bus::Network& network) {
   return page_of(recording.title, kPolicy, base64(gzip(replay_data(recording, other, network))));
 }
 
@@ -155,7 +155,7 @@ std::string live_page_policy(std::uint16_t port) {
   return fmt::format("{}; connect-src ws://127.0.0.1:{} ws://localhost:{}", kPolicy, port, port);
 }
 
-void write_replay_page(const Recording& recording, const Recording* other, const tools::Network& network,
+void write_replay_page(const Recording& recording, const Recording* other, const bus::Network& network,
                        const std::filesystem::path& file) {
   write_whole_file(file, replay_page(recording, other, network));
 }

@@ -11,15 +11,15 @@ namespace koboshi::view {
 
 // The network with which a recording's frames are decoded: `network`, or the recorded nodes without their
 // messages if `network` is that of another robot.
-tools::Network network_of(const Recording& recording, tools::Network network);
+bus::Network network_of(const Recording& recording, bus::Network network);
 
 // Returns the replay page of a run: one HTML file that needs neither server nor network. It consists of the
 // sources in page/, three.js, and the run's data (replay_data.h), compressed by gzip. `other`, a second run
 // for comparison, may be null.
-std::string replay_page(const Recording& recording, const Recording* other, const tools::Network& network);
+std::string replay_page(const Recording& recording, const Recording* other, const bus::Network& network);
 
 // Writes the page atomically. Throws WriteError.
-void write_replay_page(const Recording& recording, const Recording* other, const tools::Network& network,
+void write_replay_page(const Recording& recording, const Recording* other, const bus::Network& network,
                        const std::filesystem::path& file);
 
 // Returns the same page without data: it reads a running simulation from the stream beside its address.

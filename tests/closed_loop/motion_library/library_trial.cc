@@ -334,8 +334,8 @@ LibraryOutcome play_library_trial(std::string_view trial, std::string_view stepp
   const std::vector<TrialPlan> all = plans();
   const auto plan = std::ranges::find(all, trial, &TrialPlan::name);
   const std::unique_ptr<Judge> judge = plan->make_judge();
-  const tools::ScenarioTrial played =
-      tools::watch_in_world(scenario_of(*plan, stepper, world), seed,
+  const lab::ScenarioTrial played =
+      lab::watch_in_world(scenario_of(*plan, stepper, world), seed,
                             [&](const Simulation& simulation, const RunRecorder& recorder) {
                               const double time_s = simulation.board().world().time_s() - kPlay_s;
                               if (time_s >= 0.0) judge->observe(time_s, simulation, recorder);

@@ -6,7 +6,7 @@
 
 #include "bus/can/frame_text.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 std::string words(const char* text) { return describe(parse_frame(text)); }
@@ -71,4 +71,4 @@ TEST(Describe, SurvivesAnyFrame) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

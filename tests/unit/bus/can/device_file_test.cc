@@ -5,7 +5,7 @@
 #include "base/text/error.h"
 #include "tests/support/temporary_folder.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using Data = std::vector<std::uint8_t>;
@@ -84,4 +84,4 @@ TEST_F(DeviceFileTest, RefusesBadFilesWithTheLine) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

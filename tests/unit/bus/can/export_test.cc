@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 TimedFrame frame_of(const std::string& notation, const std::string& interface = "can0",
@@ -50,4 +50,4 @@ TEST(Export, GivesEachInterfaceItsChannel) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -2,7 +2,7 @@
 
 #include "bus/can/describe.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using Kind = sim_board::ForeignFrame::Kind;
@@ -41,4 +41,4 @@ TEST(Foreign, IsCounted) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

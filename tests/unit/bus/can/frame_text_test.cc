@@ -8,7 +8,7 @@
 #include "firmware/app/dictionary.h"
 #include "firmware/drive/configuration.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 TEST(FrameText, IsReadAndWrittenAsCansendDoes) {
@@ -81,4 +81,4 @@ TEST(HexadecimalNumber, IsRefusedWhereItCouldBeDecimal) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -7,7 +7,7 @@
 
 #include "tests/unit/firmware/canopen/test_node.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using canopen::LssSlave;
@@ -113,4 +113,4 @@ TEST(LssAddress, IsWrittenInHexadecimal) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -7,7 +7,7 @@
 
 #include "firmware/canopen/sdo/protocol.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 // Nodes that answer each read with one number, on the first or the second SDO channel, from a number of
@@ -95,4 +95,4 @@ TEST(Scan, SaysWhatPassedWhereNothingAnswers) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

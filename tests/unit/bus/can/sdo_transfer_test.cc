@@ -7,7 +7,7 @@
 
 #include "tests/unit/firmware/canopen/test_node.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using canopen::AbortCode;
@@ -245,4 +245,4 @@ TEST(SecondSdo, ExistsInDrivesOnly) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 TEST(Statistics, MeasurePeriodsAndTheDelayAfterSync) {
@@ -64,4 +64,4 @@ TEST(Statistics, PrintATableWithoutFrames) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -6,7 +6,7 @@
 
 #include "tests/unit/bus/dictionary/default_network.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using testing::IsEmpty;
@@ -70,4 +70,4 @@ TEST(Decode, IgnoresOtherFrames) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

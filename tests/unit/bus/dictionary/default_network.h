@@ -5,7 +5,7 @@
 #include "bus/dictionary/network.h"
 #include "sim_board/description/load.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 
 inline sim_board::RobotDescription default_robot() {
   return sim_board::load_robot(std::filesystem::path(KOBOSHI_SOURCE_DIR) / "robots/koboshi/robot.sdf");
@@ -16,4 +16,4 @@ inline const Network& default_network() {
   return network;
 }
 
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -7,7 +7,7 @@
 
 #include "bus/dictionary/node_kinds.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using testing::HasSubstr;
@@ -55,4 +55,4 @@ TEST(Eds, OmitsAMissingDefault) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

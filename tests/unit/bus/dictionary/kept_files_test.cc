@@ -10,7 +10,7 @@
 #include "simulation/assembly/parameters.h"
 #include "simulation/scenario/reader.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 const std::filesystem::path kRoot = KOBOSHI_SOURCE_DIR;
@@ -32,4 +32,4 @@ TEST(DictionaryFiles, InTheRepositoryMatchTheTables) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

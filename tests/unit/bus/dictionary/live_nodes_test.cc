@@ -18,7 +18,7 @@
 #include "simulation/scenario/reader.h"
 #include "tests/unit/bus/dictionary/default_network.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 const std::filesystem::path kSource = KOBOSHI_SOURCE_DIR;
@@ -121,4 +121,4 @@ TEST(DataSheets, HaveTheDefaultsOfLiveDrivesAndSensors) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

@@ -13,7 +13,7 @@
 #include "simulation/model/robot_model.h"
 #include "tests/unit/bus/dictionary/default_network.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 TEST(Network, HasEveryNodeAndService) {
@@ -121,4 +121,4 @@ TEST(Network, RejectsDuplicateIdentifiers) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

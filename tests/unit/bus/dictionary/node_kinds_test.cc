@@ -12,7 +12,7 @@
 #include "simulation/model/robot_model.h"
 #include "tests/unit/bus/dictionary/default_network.h"
 
-namespace koboshi::tools {
+namespace koboshi::bus {
 namespace {
 
 using canopen::AbortCode;
@@ -189,4 +189,4 @@ TEST(NodeKind, IsAnArrayIfAllSubindicesShareOneRow) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::bus

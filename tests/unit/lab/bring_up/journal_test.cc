@@ -6,7 +6,7 @@
 #include "base/text/error.h"
 #include "tests/unit/base/scratch_file.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 Journal example() {
@@ -47,4 +47,4 @@ TEST(Journal, RefusesFilesOfOthers) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

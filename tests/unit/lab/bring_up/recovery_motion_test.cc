@@ -11,7 +11,7 @@
 #include "simulation/motion_language/compile/compile.h"
 #include "simulation/motion_language/parse/parse.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 const std::filesystem::path kRecovering =
@@ -107,4 +107,4 @@ TEST_F(RecoveryMotionTest, DropsAndNamesJointsThatTheRobotLacks) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

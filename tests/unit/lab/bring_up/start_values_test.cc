@@ -9,7 +9,7 @@
 #include "sim_board/description/load.h"
 #include "simulation/scenario/reader.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 const std::filesystem::path kKoboshi = std::filesystem::path(KOBOSHI_SOURCE_DIR) / "robots/koboshi/robot.sdf";
@@ -107,4 +107,4 @@ TEST_F(StartValuesOf, AComHeightOutOfTheLegsReachIsRefused) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

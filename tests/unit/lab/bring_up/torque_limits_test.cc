@@ -2,7 +2,7 @@
 
 #include "lab/bring_up/rungs.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 sim_board::ServoDescription servo_at(double supply_V) {
@@ -34,4 +34,4 @@ TEST(TorqueLimits, ContinuousTorqueHeatsTheWindingToTheDerating) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 TEST(Bisection, FindsTheLargestSurvivedValue) {
@@ -70,7 +70,7 @@ TEST(PushRecovery, ReportsTheWorstPhaseOfTheWorstDirection) {
 
   EXPECT_NE(conclusions.lines.find("standing: 95 of 100 survive, by 40 seeds, 0.300"), std::string::npos);
 
-  const std::vector<Point>& walking = conclusions.figure.value().curves.back().points;
+  const std::vector<tools::Point>& walking = conclusions.figure.value().curves.back().points;
   EXPECT_NEAR(walking.at(0).y, 0.2, 1e-12) << "pushed forward is up";
   EXPECT_NEAR(walking.at(1).y, -0.1, 1e-12);
   EXPECT_EQ(walking.front(), walking.back()) << "closed";
@@ -109,4 +109,4 @@ TEST(Feedbacks, AreParametersOfTheController) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -4,7 +4,7 @@
 
 #include "base/text/error.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Direction = SpeedLadder::Direction;
@@ -93,4 +93,4 @@ TEST(WalkingSpeed, RequiresAScenarioThatWalksByCommand) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -6,7 +6,7 @@
 #include "base/text/error.h"
 #include "tests/support/temporary_folder.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using koboshi::test::read_file;
@@ -80,4 +80,4 @@ TEST(JobFile, RefusesAMalformedFile) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -6,7 +6,7 @@
 #include "base/text/error.h"
 #include "lab/cluster/child.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using ::testing::HasSubstr;
@@ -70,4 +70,4 @@ TEST(Child, HasAStatusAndAnOutput) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

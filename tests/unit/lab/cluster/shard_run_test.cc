@@ -11,7 +11,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/lab/experiment/stand_in.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using koboshi::test::read_file;
@@ -249,4 +249,4 @@ TEST(IncompleteText, NamesTenShards) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

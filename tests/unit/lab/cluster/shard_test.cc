@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 TEST(Shard, IsReadAsNumberOfCount) {
@@ -35,4 +35,4 @@ TEST(Shard, RangesDivideAllItems) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

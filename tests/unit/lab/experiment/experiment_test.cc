@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/lab/experiment/stand_in.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using koboshi::test::read_file;
@@ -161,4 +161,4 @@ TEST(Experiment, OmitsNaN) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -8,7 +8,7 @@
 #include "lab/trial/outcome.h"
 #include "tests/support/temporary_folder.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 enum class Pose { kNone, kProne, kSupine };
@@ -122,4 +122,4 @@ TEST(FieldTable, TakesStatisticsOfMembers) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

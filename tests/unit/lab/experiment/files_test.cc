@@ -5,7 +5,7 @@
 #include "base/text/error.h"
 #include "tests/support/temporary_folder.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -52,4 +52,4 @@ TEST(PageSection, RejectsAPageThatLacksOneOfItsComments) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

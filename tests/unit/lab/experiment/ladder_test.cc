@@ -6,7 +6,7 @@
 
 #include "lab/experiment/field_table.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 struct LevelTrial {
@@ -88,11 +88,11 @@ TEST(Ladder, ShowsLevelsAsFractionsOfTheHardest) {
   Ladders test;
   test.failing[1] = 10;
   const ExperimentResult result = play_experiment(test.experiment, {});
-  const PlaneFigure figure = ladder_figure("ladders", test.experiment, result);
+  const tools::PlaneFigure figure = ladder_figure("ladders", test.experiment, result);
   ASSERT_EQ(figure.curves.size(), 3u);
-  EXPECT_EQ(figure.curves[1].points, (std::vector<Point>{{0.25, 0.0}, {0.5, 1.0}}));
-  EXPECT_EQ(figure.curves[2].points.back(), (Point{1.0, 0.0}));
+  EXPECT_EQ(figure.curves[1].points, (std::vector<tools::Point>{{0.25, 0.0}, {0.5, 1.0}}));
+  EXPECT_EQ(figure.curves[2].points.back(), (tools::Point{1.0, 0.0}));
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -4,7 +4,7 @@
 
 #include "tests/unit/lab/experiment/stand_in.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using test::StandIn;
@@ -103,4 +103,4 @@ TEST(Report, WritesJsonInSiUnitsWithNullForNaN) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

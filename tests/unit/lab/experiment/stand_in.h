@@ -7,7 +7,7 @@
 #include "lab/experiment/field_table.h"
 #include "sim_board/random/random_stream.h"
 
-namespace koboshi::tools::test {
+namespace koboshi::lab::test {
 
 struct StandInTrial {
   std::string error{};
@@ -53,4 +53,4 @@ struct StandIn {
   }
 };
 
-}  // namespace koboshi::tools::test
+}  // namespace koboshi::lab::test

@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 TEST(MeanEstimate, MatchesAWorkedExample) {
@@ -85,4 +85,4 @@ TEST(Quantile, IsReachedByAllButAFraction) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

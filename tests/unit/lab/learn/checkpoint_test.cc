@@ -6,7 +6,7 @@
 #include "base/text/error.h"
 #include "tests/support/temporary_folder.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using ::testing::HasSubstr;
@@ -83,4 +83,4 @@ TEST_F(CheckpointFile, RefusesListsThatDoNotFit) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

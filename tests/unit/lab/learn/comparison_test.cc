@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 TEST(SignTest, IsTheBinomialTailOnBothSides) {
@@ -28,4 +28,4 @@ TEST(Comparison, PlaysBothControllersInEachActivityOnlyWithAPolicy) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kWalk_s = 10.0;
@@ -76,4 +76,4 @@ TEST(Reward, OfALossRisesWithTheTimeBeforeIt) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

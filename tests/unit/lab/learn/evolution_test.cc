@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using ::testing::ElementsAre;
@@ -82,4 +82,4 @@ TEST(CentredRanks, ShareThePlacesOfEqualScores) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -15,7 +15,7 @@
 #include "lab/learn/learning_study.h"
 #include "tests/unit/simulation/scenario/temporary_tree.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 class LearnPage : public testing::Test {
@@ -112,4 +112,4 @@ TEST_F(LearnPage, ShowsAStudyThatIsRead) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -12,7 +12,7 @@
 #include "tests/support/seed.h"
 #include "tests/unit/simulation/scenario/temporary_tree.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using ::testing::ElementsAre;
@@ -139,7 +139,7 @@ TEST_F(LearningStudyReader, ReportsLineAndValueOfAnError) {
 
 class LearnedMap : public LearningStudyReader {
  protected:
-  PolicyMap map(const std::string& text) const { return learned_map(read(text), robot_); }
+  tools::PolicyMap map(const std::string& text) const { return learned_map(read(text), robot_); }
   std::string map_refusal(const std::string& text) const {
     return refusal_of([&] { return map(text); });
   }
@@ -149,12 +149,12 @@ class LearnedMap : public LearningStudyReader {
 };
 
 TEST_F(LearnedMap, AddsTheRightSide) {
-  const PolicyMap map = this->map(kLearningStudy);
+  const tools::PolicyMap map = this->map(kLearningStudy);
   std::vector<std::string> inputs;
-  for (const MappedInput& input : map.inputs) inputs.push_back(input.name);
+  for (const tools::MappedInput& input : map.inputs) inputs.push_back(input.name);
   EXPECT_THAT(inputs, ElementsAre("roll", "left_load", "right_load"));
   std::vector<std::string> outputs;
-  for (const MappedOutput& output : map.outputs) outputs.push_back(output.joint);
+  for (const tools::MappedOutput& output : map.outputs) outputs.push_back(output.joint);
   EXPECT_THAT(outputs,
               ElementsAre("left_hip_roll", "right_hip_roll", "left_ankle_pitch", "right_ankle_pitch"));
   EXPECT_EQ(map.inputs[0].scale, 10.0);
@@ -163,14 +163,14 @@ TEST_F(LearnedMap, AddsTheRightSide) {
 }
 
 TEST_F(LearnedMap, HasTheNamedSideOnlyWithoutMirror) {
-  const PolicyMap map = this->map(with("mirror: true", "mirror: false"));
+  const tools::PolicyMap map = this->map(with("mirror: true", "mirror: false"));
   EXPECT_EQ(map.inputs.size(), 2u);
   EXPECT_EQ(map.outputs.size(), 2u);
 }
 
 TEST_F(LearnedMap, IsWrittenAsTheImportReadsIt) {
-  const PolicyMap map = this->map(kLearningStudy);
-  const PolicyMap read = read_policy_map(tree_.write("map.yaml", map_text(map)), robot_);
+  const tools::PolicyMap map = this->map(kLearningStudy);
+  const tools::PolicyMap read = tools::read_policy_map(tree_.write("map.yaml", map_text(map)), robot_);
   ASSERT_EQ(read.inputs.size(), map.inputs.size());
   ASSERT_EQ(read.outputs.size(), map.outputs.size());
   EXPECT_EQ(read.patience_ticks, map.patience_ticks);
@@ -218,4 +218,4 @@ TEST_F(LearningStudyReader, RefusesDamagedFilesWithOneLine) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

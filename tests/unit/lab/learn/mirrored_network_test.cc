@@ -6,21 +6,21 @@
 #include "sim_board/description/load.h"
 #include "sim_board/random/random_stream.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 class NetworkOfAStudy : public testing::Test {
  protected:
   simulation::NamedModel robot_ =
       simulation::load_named_model(sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf"));
-  PolicyMap map_ =
+  tools::PolicyMap map_ =
       learned_map(read_learning_study(KOBOSHI_SOURCE_DIR "/studies/learn/residual.yaml"), robot_);
 
   MirroredNetwork network(const std::vector<std::size_t>& hidden) const {
     return {mirrored_inputs(map_, robot_), hidden, mirrored_outputs(map_, robot_), true};
   }
   std::size_t input(const std::string& name) const {
-    return static_cast<std::size_t>(std::ranges::find(map_.inputs, name, &MappedInput::name) -
+    return static_cast<std::size_t>(std::ranges::find(map_.inputs, name, &tools::MappedInput::name) -
                                     map_.inputs.begin());
   }
 };
@@ -49,7 +49,7 @@ TEST_F(NetworkOfAStudy, GivesMirroredOutputsForMirroredInputs) {
     sim_board::RandomStream random(5, "test");
     std::vector<double> parameters;
     for (std::size_t i = 0; i < network.parameters(); ++i) parameters.push_back(0.5 * random.normal());
-    const Mlp mlp = network.network(parameters);
+    const tools::Mlp mlp = network.network(parameters);
     std::vector<double> signals;
     for (std::size_t i = 0; i < map_.inputs.size(); ++i) signals.push_back(random.normal());
     const std::vector<double> outputs = mlp.run(signals);
@@ -71,11 +71,11 @@ TEST_F(NetworkOfAStudy, HasHalfTheParametersOfAFreeOne) {
 
 TEST_F(NetworkOfAStudy, BeginsWithoutOffsets) {
   const MirroredNetwork network = this->network({8});
-  const Mlp mlp = network.network(network.start(1));
+  const tools::Mlp mlp = network.network(network.start(1));
   for (const double output : mlp.run(std::vector<double>(map_.inputs.size(), 1.0))) EXPECT_EQ(output, 0.0);
   EXPECT_EQ(network.start(1), network.start(1));
   EXPECT_NE(network.start(1), network.start(2));
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -72,4 +72,4 @@ TEST_F(GettingUpTest, ReportsHowFarItCame) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kTau = 2.0 * std::numbers::pi;
@@ -120,4 +120,4 @@ TEST(SineCorrelator, SeesOneSineAmongOthersAndAConstant) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 TEST(Pushes, AreDrawnWithinTheirBounds) {
@@ -36,4 +36,4 @@ TEST(Pushes, AreDrawnWithinTheirBounds) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

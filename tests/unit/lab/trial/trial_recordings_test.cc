@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 #include "view/recording/read_recording.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 simulation::Scenario short_scenario() {
@@ -58,4 +58,4 @@ TEST(TrialRecordings, DoNotChangeTheTrial) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -12,7 +12,7 @@
 
 #include "lab/tune/optimiser.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Loss = std::function<double(const std::vector<double>&)>;
@@ -186,4 +186,4 @@ TEST(Migration, BringsTheBestOfTheIslandBeforeIfItIsBetter) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

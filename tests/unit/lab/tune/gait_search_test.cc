@@ -7,7 +7,7 @@
 #include "base/text/text.h"
 #include "lab/tune/gait_text.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 constexpr double kDuration_s = 10.0;
@@ -73,4 +73,4 @@ TEST(SearchedNumbers, LieOnTheirGridsWithinTheirBounds) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -4,7 +4,7 @@
 
 #include "base/text/error.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 const std::string kText =
@@ -47,4 +47,4 @@ TEST(GaitText, RejectsMissingAndDuplicateKeys) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

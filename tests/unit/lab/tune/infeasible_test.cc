@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 TEST(Infeasible, IsCountedByTheLimitAndNotByTheValue) {
@@ -20,4 +20,4 @@ TEST(Infeasible, IsCountedByTheLimitAndNotByTheValue) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 TEST(LostTrials, SaysNothingWhereNoneWasLost) {
@@ -24,4 +24,4 @@ TEST(LostTrials, CountsTheReasonsAndKeepsTheFirstError) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

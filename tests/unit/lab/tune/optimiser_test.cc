@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 const std::vector<double> kBest{0.9, 0.2, 0.5};
@@ -89,4 +89,4 @@ TEST(NonDominated, AreThoseThatNoOtherDominates) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

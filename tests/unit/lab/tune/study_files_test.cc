@@ -3,7 +3,7 @@
 
 #include "lab/tune/study_search.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 TEST(StudyFiles, ListTheFilesOfEveryTrialOnce) {
@@ -20,4 +20,4 @@ TEST(StudyFiles, ListTheFilesOfEveryTrialOnce) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

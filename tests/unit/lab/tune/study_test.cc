@@ -6,7 +6,7 @@
 #include "base/text/error.h"
 #include "tests/unit/simulation/scenario/temporary_tree.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using ::testing::HasSubstr;
@@ -173,4 +173,4 @@ TEST(Score, RanksFallsBelowSurvivalAndLateFallsAboveEarlyOnes) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

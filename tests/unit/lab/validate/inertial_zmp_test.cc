@@ -5,7 +5,7 @@
 #include "lab/validate/rigs.h"
 #include "sim_board/engine/make_world.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Eigen::Vector2d;
@@ -58,4 +58,4 @@ TEST(InertialZmp, IsBelowTheCentreOfMassAtRest) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -9,7 +9,7 @@
 #include "sim_board/world/options.h"
 #include "sim_board/world/world.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using testing::HasSubstr;
@@ -82,4 +82,4 @@ TEST(StepperName, RoundTrips) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 TEST(ServoReference, RunsUpToItsSteadySpeedExponentially) {
@@ -54,4 +54,4 @@ TEST(ServoSimulation, LagsByLessThanAStep) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

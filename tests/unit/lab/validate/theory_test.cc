@@ -8,7 +8,7 @@
 #include "lab/validate/theory.h"
 #include "lab/validate/validation.h"
 
-namespace koboshi::tools {
+namespace koboshi::lab {
 namespace {
 
 using Eigen::Vector2d;
@@ -109,4 +109,4 @@ TEST(ObservedOrder, IsTheSlopeInLogarithmicAxes) {
 }
 
 }  // namespace
-}  // namespace koboshi::tools
+}  // namespace koboshi::lab

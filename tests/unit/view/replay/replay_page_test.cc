@@ -111,14 +111,14 @@ TEST(ReplayData, NamesTheObjectsOfControllerDrivesAndSensors) {
 }
 
 TEST(ReplayPage, NodesHaveTheNamesOfTheRecording) {
-  const tools::Network known = walking_network();
+  const bus::Network known = walking_network();
   Recording recording = walking_recording({.duration_s = 0.1});
   EXPECT_EQ(network_of(recording, known).messages.size(), known.messages.size()) << "no nodes recorded";
   recording.nodes = {{1, "controller"}, {16, known.nodes[1].name}};
   ASSERT_EQ(known.nodes[1].node_id, 16);
   EXPECT_EQ(network_of(recording, known).messages.size(), known.messages.size());
   recording.nodes[1].name = "tail";
-  const tools::Network other = network_of(recording, known);
+  const bus::Network other = network_of(recording, known);
   ASSERT_EQ(other.nodes.size(), 2U);
   EXPECT_EQ(other.nodes[1].name, "tail");
   EXPECT_TRUE(other.messages.empty()) << "whose factors are those of another robot's drives";
