@@ -64,7 +64,7 @@ class Aligner {
     for (const std::size_t joint : {knee, ankle_pitch})
       if (is_along(anchors_.axes[joint], 1)) slide_to({point(joint).x(), leg_y, point(joint).z()}, {joint});
     if (!is_along(anchors_.axes[ankle_pitch], 1) || !is_along(anchors_.axes[ankle_roll], 0)) return;
-    const std::optional<double> ankle_z = meet(ankle_pitch, ankle_roll, 2);
+    const std::optional<double> ankle_z = crossing_of(ankle_pitch, ankle_roll, 2);
     const double beside_m = point(ankle_roll).y() - leg_y;
     if (std::abs(beside_m) > max_miss_m_)
       warn_miss(anchors_.names[ankle_roll], anchors_.names[yaw], beside_m, 1);
