@@ -26,7 +26,7 @@ struct DictionaryArguments {
 std::vector<bus::GeneratedFile> files(const DictionaryArguments& arguments) {
   const auto robot = simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
   return bus::dictionary_files(sim_board::load_robot(robot),
-                          simulation::controller_values(simulation::read_robot_parameters(robot)));
+                               simulation::controller_values(simulation::read_robot_parameters(robot)));
 }
 
 void print_file(const DictionaryArguments& arguments, const std::string& name) {

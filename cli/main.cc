@@ -39,7 +39,7 @@ int run_program(int argc, char** argv) {
   program.set_version_flag("--version", "koboshi " KOBOSHI_VERSION);
   program.require_subcommand(1);
   program.footer(kFooter);
-  for (koboshi::cli::AddCommand* add_command : koboshi::tools::kCommands) add_command(program, invocation);
+  for (koboshi::cli::AddCommand* add_command : koboshi::cli::kCommands) add_command(program, invocation);
   koboshi::cli::name_placeholders(program);
   if (const auto message = koboshi::cli::unknown_command(program, argc, argv)) {
     koboshi::print_error("{}\n", *message);

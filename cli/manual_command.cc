@@ -30,7 +30,7 @@ struct ManualArguments {
 
 // The studio is a program of its own, whose options `koboshi studio` passes on.
 struct StudioProgram {
-  StudioProgram() : app(kStudioDescription, "koboshi-studio") {
+  StudioProgram() : app(tools::kStudioDescription, "koboshi-studio") {
     tools::add_studio_options(app, arguments);
     name_placeholders(app);
   }

@@ -73,7 +73,8 @@ int check_models(const ModelCheckArguments& arguments) {
   const bool is_list = arguments.robots.size() > 1;
   for (const std::filesystem::path& robot : arguments.robots) {
     try {
-      const tools::ModelReport report = tools::check_model(simulation::find_input(simulation::InputKind::kRobot, robot));
+      const tools::ModelReport report =
+          tools::check_model(simulation::find_input(simulation::InputKind::kRobot, robot));
       if (report.has_errors()) status = std::max(status, 1);
       if (arguments.json) {
         documents.push_back(tools::model_report_json(report));

@@ -58,11 +58,11 @@ std::string ask_person(const tools::ImportQuestion& question) {
 
 tools::ImportOptions options_of(const ModelImportArguments& arguments, const Invocation& invocation) {
   tools::ImportOptions options{.file = arguments.file,
-                        .paths = arguments.paths,
-                        .servo_folder = simulation::data_folder() / "robots/servos",
-                        .decisions_source = arguments.output / "import.yaml",
-                        .output = arguments.output,
-                        .command = invocation.command_line};
+                               .paths = arguments.paths,
+                               .servo_folder = simulation::data_folder() / "robots/servos",
+                               .decisions_source = arguments.output / "import.yaml",
+                               .output = arguments.output,
+                               .command = invocation.command_line};
   if (std::filesystem::exists(options.decisions_source))
     options.decisions = tools::read_decisions(options.decisions_source);
   if (!arguments.answers.empty()) {

@@ -200,8 +200,8 @@ void warn_of_losses(const nlohmann::ordered_json& report) {
                 refused + dropped, refused, dropped);
   if (sent_late + received_late > 0)
     print_error("koboshi: frames more than {} ms late: {} of {} sent, {} of {} received\n",
-                tools::LiveLink::kLate_us / 1000, sent_late, can["frames_sent"].get<std::uint64_t>(), received_late,
-                can["frames_received"].get<std::uint64_t>());
+                tools::LiveLink::kLate_us / 1000, sent_late, can["frames_sent"].get<std::uint64_t>(),
+                received_late, can["frames_received"].get<std::uint64_t>());
 }
 
 }  // namespace koboshi::cli

@@ -44,7 +44,8 @@ simulation::NamedModel load(const PolicyArguments& arguments) {
       sim_board::load_robot(simulation::find_input(simulation::InputKind::kRobot, arguments.robot)));
 }
 
-std::vector<std::vector<double>> read_recorded(const PolicyArguments& arguments, const tools::PolicyMap& map) {
+std::vector<std::vector<double>> read_recorded(const PolicyArguments& arguments,
+                                               const tools::PolicyMap& map) {
   std::vector<std::string> columns;
   for (const tools::MappedInput& input : map.inputs) columns.push_back(input.column);
   auto rows = tools::read_recorded_columns(arguments.inputs, columns);

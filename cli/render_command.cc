@@ -112,7 +112,7 @@ void render_run(RenderArguments& arguments) {
   view::render(recording, arguments.options, [&](int frames, int total) {
     if (const auto signal = interrupt.requested())
       throw tools::Interrupted(*signal, fmt::format("interrupted after {} of {} frames, no {}", frames, total,
-                                             arguments.options.out.string()));
+                                                    arguments.options.out.string()));
     show_progress(frames, total, shown);
   });
   fmt::print("{}\n", arguments.options.out.string());

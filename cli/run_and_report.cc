@@ -81,7 +81,8 @@ std::string refusal_of_keys(const tools::RunOptions& options) {
 // The operator needs a terminal or a page, and a run in real time.
 void give_operator(tools::RunOptions& options, tools::KeyQueue& keys) {
   const bool takes_page_keys = options.view != nullptr && refusal_of_keys(options).empty();
-  const tools::Teleop::Seats seats{tools::Terminal::is_there(), options.view, takes_page_keys ? &keys : nullptr};
+  const tools::Teleop::Seats seats{tools::Terminal::is_there(), options.view,
+                                   takes_page_keys ? &keys : nullptr};
   if (!seats.terminal && !takes_page_keys) {
     throw InputError(options.scenario.file, 0, "teleop: true, but no terminal on standard input and output",
                      "one, whose keys drive the robot, or --view, or --set teleop=false");
@@ -183,9 +184,8 @@ int run_and_report(const RunArguments& arguments, simulation::Scenario scenario)
     print_view_address(view.get());
   };
   options.warn = warn;
-  std::function<void(const tools::RunProgress&)> show = [bar = ProgressBar()](const tools::RunProgress& progress) mutable {
-    bar.show(progress);
-  };
+  std::function<void(const tools::RunProgress&)> show =
+      [bar = ProgressBar()](const tools::RunProgress& progress) mutable { bar.show(progress); };
   if (options.scenario.teleop) {
     give_operator(options, keys);
     if (tools::Terminal::is_there()) {

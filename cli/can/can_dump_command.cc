@@ -38,8 +38,9 @@ struct CanDumpArguments {
 
 const std::map<std::string, bus::FrameKind>& kinds() {
   static const std::map<std::string, bus::FrameKind> names{
-      {"nmt", bus::FrameKind::kNmt}, {"sync", bus::FrameKind::kSync}, {"emcy", bus::FrameKind::kEmergency},
-      {"pdo", bus::FrameKind::kPdo}, {"sdo", bus::FrameKind::kSdo},   {"heartbeat", bus::FrameKind::kHeartbeat}};
+      {"nmt", bus::FrameKind::kNmt},        {"sync", bus::FrameKind::kSync},
+      {"emcy", bus::FrameKind::kEmergency}, {"pdo", bus::FrameKind::kPdo},
+      {"sdo", bus::FrameKind::kSdo},        {"heartbeat", bus::FrameKind::kHeartbeat}};
   return names;
 }
 
@@ -115,7 +116,8 @@ fmt::color color_of(const sim_board::BusFrame& frame) {
 class Printer {
  public:
   // `with_interface`: the log has several.
-  Printer(const bus::Network& network, bool with_interface) : network_(network), with_interface_(with_interface) {}
+  Printer(const bus::Network& network, bool with_interface)
+      : network_(network), with_interface_(with_interface) {}
 
   void print(const bus::TimedFrame& timed) const {
     const std::string text = frame_description(timed.frame, network_);

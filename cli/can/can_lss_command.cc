@@ -65,9 +65,9 @@ class Session {
   void select(const LssArguments& arguments) {
     if (arguments.address.empty() && arguments.node.empty())
       return master_.switch_globally(LssSlave::State::kConfiguration);
-    const bus::LssAddress address = arguments.address.empty()
-                                   ? identity_of(*transport_, parse_node(arguments.node), arguments.channel)
-                                   : bus::parse_lss_address(arguments.address);
+    const bus::LssAddress address =
+        arguments.address.empty() ? identity_of(*transport_, parse_node(arguments.node), arguments.channel)
+                                  : bus::parse_lss_address(arguments.address);
     if (!master_.switch_selectively(address))
       throw std::runtime_error(fmt::format("no LSS slave {} answers", bus::lss_address_text(address)));
   }

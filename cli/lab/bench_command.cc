@@ -38,8 +38,8 @@ void play_bench(BenchArguments arguments) {
     *scenario = simulation::find_input(simulation::InputKind::kScenario, *scenario);
   arguments.options.steppers = chosen(arguments.names);
   arguments.options.reference_step_s = 1e-3 * arguments.reference_step_ms;
-  const std::vector<lab::BenchResult> results =
-      lab::bench(arguments.options, [](const std::string& what) { print_error("koboshi: bench: {}\n", what); });
+  const std::vector<lab::BenchResult> results = lab::bench(
+      arguments.options, [](const std::string& what) { print_error("koboshi: bench: {}\n", what); });
   fmt::print("{}", lab::bench_table(results));
   if (!arguments.json.empty()) simulation::write_json(arguments.json, lab::bench_json(results));
 }

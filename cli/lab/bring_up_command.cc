@@ -46,7 +46,8 @@ int climb(BringUpArguments arguments) {
         result.rungs, [](const lab::Rung& rung) { return rung.result == lab::Rung::Result::kFailed; });
     return failed ? 1 : 0;
   } catch (const lab::Stopped&) {
-    throw tools::Interrupted(signal, "interrupted at " + last + "; the same command continues before this rung");
+    throw tools::Interrupted(signal,
+                             "interrupted at " + last + "; the same command continues before this rung");
   }
 }
 

@@ -63,9 +63,9 @@ void add(CLI::App& parent, Invocation& invocation, Entry<Options> given) {
     Options& options = arguments->entry.options;
     options.scenario = simulation::find_input(simulation::InputKind::kScenario, options.scenario);
     options.overrides = overrides_of(arguments->session);
-    const auto tools::draw = arguments->entry.draw_figures;
+    const auto draw = arguments->entry.draw_figures;
     const DrawFigures draw_figures = [&](const SessionOptions& session) {
-      return tools::draw ? tools::draw(options, session) : std::string();
+      return draw ? draw(options, session) : std::string();
     };
     conduct(arguments->entry.make(options), arguments->session, invocation, draw_figures);
   });
@@ -73,7 +73,8 @@ void add(CLI::App& parent, Invocation& invocation, Entry<Options> given) {
 
 // --- gyro-feedback
 
-void add_gyro_feedback_options(CLI::App& command, lab::GyroFeedbackOptions& options, SessionOptions& session) {
+void add_gyro_feedback_options(CLI::App& command, lab::GyroFeedbackOptions& options,
+                               SessionOptions& session) {
   command.add_option("--duration", session.duration, "Simulated seconds of a trial");
   command.add_option("--points", options.points, "Points of a cycle of two steps: 4,8,16")
       ->delimiter(',')
@@ -299,13 +300,13 @@ void add_experiment_command(CLI::App& program, Invocation& invocation) {
        .add_options = add_fall_detection_options,
        .options = {{.scenario = kGetUp}}});
   add<lab::MarathonOptions>(command, invocation,
-                       {.name = "marathon",
-                        .description = "An hour of random commands and pushes",
-                        .footer = "The robot gets no help.\n",
-                        .examples = {"marathon --stepper mujoco --hours 0.1"},
-                        .make = lab::make_marathon,
-                        .add_options = add_marathon_options,
-                        .options = {{.scenario = kGetUp, .seeds = 10}}});
+                            {.name = "marathon",
+                             .description = "An hour of random commands and pushes",
+                             .footer = "The robot gets no help.\n",
+                             .examples = {"marathon --stepper mujoco --hours 0.1"},
+                             .make = lab::make_marathon,
+                             .add_options = add_marathon_options,
+                             .options = {{.scenario = kGetUp, .seeds = 10}}});
   add<lab::RobustnessOptions>(
       command, invocation,
       {.name = "robustness",

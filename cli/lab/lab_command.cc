@@ -48,14 +48,14 @@ fs::path this_program() { return fs::read_symlink("/proc/self/exe"); }
 // Calls the command of a folder's shards in this program, in the directory in which it was submitted, which
 // another machine may not have.
 lab::ChildResult call(const lab::JobFile& job, const fs::path& folder, const std::vector<std::string>& more,
-                 lab::ChildOutput output) {
+                      lab::ChildOutput output) {
   std::vector<std::string> arguments{this_program().string()};
   arguments.insert(arguments.end(), job.command.begin(), job.command.end());
   arguments.insert(arguments.end(), {"--out", fs::absolute(folder).lexically_normal().string()});
   arguments.insert(arguments.end(), more.begin(), more.end());
   std::fflush(stdout);
   return lab::run_child(arguments, output, "this program",
-                   fs::is_directory(job.directory) ? job.directory : fs::path());
+                        fs::is_directory(job.directory) ? job.directory : fs::path());
 }
 
 // The command that follows the options, without a "--" before it. Throws InputError.
@@ -81,9 +81,9 @@ std::string slurm_job_of(const fs::path& folder) {
 std::string states_of(const std::string& job) {
   static_cast<void>(lab::run_child({"squeue", "--version"}, lab::ChildOutput::kCaptured, kSlurm));
   // A job that has ended long ago is an error of squeue.
-  const lab::ChildResult listed =
-      lab::run_child({"sh", "-c", "exec squeue --noheader --array --format=%T --jobs=\"$0\" 2>/dev/null", job},
-                lab::ChildOutput::kCaptured, kSlurm);
+  const lab::ChildResult listed = lab::run_child(
+      {"sh", "-c", "exec squeue --noheader --array --format=%T --jobs=\"$0\" 2>/dev/null", job},
+      lab::ChildOutput::kCaptured, kSlurm);
   std::map<std::string, int> counts;
   std::istringstream in(listed.output);
   for (std::string state; std::getline(in, state);) ++counts[state];
@@ -105,8 +105,8 @@ int submit_to_slurm(const lab::ScriptSetup& setup, const std::string& incomplete
   const fs::path script = setup.folder / "submit.sbatch";
   write_whole_file(script, lab::slurm_script(setup, arguments.sbatch));
   const std::string array = lab::ranges_text(incomplete);
-  const lab::ChildResult submitted = lab::run_child({"sbatch", "--parsable", "--array=" + array, script.string()},
-                                          lab::ChildOutput::kCaptured, kSlurm);
+  const lab::ChildResult submitted = lab::run_child(
+      {"sbatch", "--parsable", "--array=" + array, script.string()}, lab::ChildOutput::kCaptured, kSlurm);
   if (submitted.status != 0) return tools::kFailed;  // sbatch has said why
   const std::string job = submitted.output.substr(0, submitted.output.find_first_of(";\n"));
   write_whole_file(setup.folder / kSubmitted, nlohmann::ordered_json{{"slurm_job", job}}.dump() + "\n");
@@ -115,7 +115,8 @@ int submit_to_slurm(const lab::ScriptSetup& setup, const std::string& incomplete
 }
 
 // Waits until the shards are played.
-int run_parallel(const lab::ScriptSetup& setup, const std::string& incomplete, const SubmitArguments& arguments) {
+int run_parallel(const lab::ScriptSetup& setup, const std::string& incomplete,
+                 const SubmitArguments& arguments) {
   const fs::path log = setup.folder / "parallel.joblog";
   if (fs::exists(log)) {
     std::set<std::string> shards;
@@ -148,11 +149,11 @@ int submit(const SubmitArguments& arguments, const std::vector<std::string>& wor
     return 0;
   }
   const lab::ScriptSetup setup{this_program(),
-                          fs::canonical(arguments.out),
-                          lab::read_job(arguments.out).directory,
-                          job.command,
-                          arguments.shards,
-                          arguments.jobs};
+                               fs::canonical(arguments.out),
+                               lab::read_job(arguments.out).directory,
+                               job.command,
+                               arguments.shards,
+                               arguments.jobs};
   write_whole_file(setup.folder / "shard.sh", lab::shard_script(setup));
   return arguments.slurm ? submit_to_slurm(setup, incomplete, arguments)
                          : run_parallel(setup, incomplete, arguments);
@@ -187,7 +188,8 @@ void add_submit_command(CLI::App& lab, Invocation& invocation) {
 }
 
 int show_status(const fs::path& folder) {
-  const int status = call(lab::read_job(folder), folder, {"--shards", "status"}, lab::ChildOutput::kShown).status;
+  const int status =
+      call(lab::read_job(folder), folder, {"--shards", "status"}, lab::ChildOutput::kShown).status;
   if (const std::string job = slurm_job_of(folder); !job.empty()) {
     const std::string states = states_of(job);
     fmt::print("Slurm job {}: {}\n", job, states.empty() ? "not in the queue" : states);

@@ -22,8 +22,8 @@ struct LearnArguments {
 };
 
 void learn(const LearnArguments& arguments) {
-  const lab::LearningStudy study =
-      lab::read_learning_study(simulation::find_input(simulation::InputKind::kLearningStudy, arguments.study));
+  const lab::LearningStudy study = lab::read_learning_study(
+      simulation::find_input(simulation::InputKind::kLearningStudy, arguments.study));
   lab::TrainingOptions options = arguments.options;
   if (!arguments.stepper.empty())
     options.overrides.push_back({"physics.stepper", arguments.stepper, "--stepper"});

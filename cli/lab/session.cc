@@ -60,7 +60,8 @@ lab::Experiment recorded(lab::Experiment experiment, const fs::path& folder) {
 }
 
 // With --shards plan, status or merge, and with --shard.
-lab::JobFile job_of(const lab::Experiment& experiment, const SessionOptions& session, const Invocation& invocation) {
+lab::JobFile job_of(const lab::Experiment& experiment, const SessionOptions& session,
+                    const Invocation& invocation) {
   return {lab::job_command(invocation.arguments), fs::current_path(), session.shards.count(session.out),
           experiment.inputs};
 }
@@ -78,13 +79,13 @@ void play_one_shard(const lab::Experiment& experiment, const SessionOptions& ses
   };
   const lab::ShardProgress progress =
       lab::play_shard(session.record_lost.empty() ? experiment : recorded(experiment, session.record_lost),
-                 session.out, shard, options);
+                      session.out, shard, options);
   fmt::print("shard {} of {}: {} trials{}\n", shard.number, shard.count, progress.finished,
              progress.is_complete() ? "" : fmt::format(", {} to go", progress.remaining));
 }
 
-std::vector<lab::ShardProgress> progress_of_shards(const lab::Experiment& experiment, const SessionOptions& session,
-                                              std::size_t count) {
+std::vector<lab::ShardProgress> progress_of_shards(const lab::Experiment& experiment,
+                                                   const SessionOptions& session, std::size_t count) {
   lab::ShardedTrials trials(experiment, session.out, count);
   trials.refresh();
   std::vector<lab::ShardProgress> progress;
@@ -106,8 +107,8 @@ lab::ExperimentResult play(const lab::Experiment& experiment, const SessionOptio
     line.show(fmt::format("{} of {} trials, {:.1f} min, at most {:.1f} min to go", progress.done,
                           progress.total, played_min, played_min * (1.0 / share - 1.0)));
   };
-  return lab::play_experiment(session.record_lost.empty() ? experiment : recorded(experiment, session.record_lost),
-                         options);
+  return lab::play_experiment(
+      session.record_lost.empty() ? experiment : recorded(experiment, session.record_lost), options);
 }
 
 // Draws the figure in the folder of the results and copies it beside the page. Returns Markdown that shows it
@@ -142,8 +143,9 @@ std::string draw_grid(const lab::NamedGrid& named, const SessionOptions& session
 }
 
 // The table with the command that made it, the remarks and the figures, as a section of the page.
-void write_page(const lab::Experiment& experiment, const SessionOptions& session, const std::string& command_line,
-                const std::string& table, const std::string& remarks, const std::string& figures) {
+void write_page(const lab::Experiment& experiment, const SessionOptions& session,
+                const std::string& command_line, const std::string& table, const std::string& remarks,
+                const std::string& figures) {
   std::string text = fmt::format("\n```console not-run\n$ {}\n```\n\n{}", command_line, table);
   if (!remarks.empty()) text += "\n```\n" + remarks + "```\n";
   if (!figures.empty()) text += "\n" + figures;
@@ -232,9 +234,9 @@ void conduct(const lab::Experiment& experiment, SessionOptions session, Invocati
   }
   if (!experiment.warning.empty()) warn(experiment.warning);
   const lab::ExperimentResult result =
-      session.shards.is_used()
-          ? lab::merge_shards(experiment, session.out, session.shards.count(session.out), session.out / kLogName)
-          : play(experiment, session);
+      session.shards.is_used() ? lab::merge_shards(experiment, session.out, session.shards.count(session.out),
+                                                   session.out / kLogName)
+                               : play(experiment, session);
   const lab::Conclusions conclusions =
       experiment.conclude ? experiment.conclude(experiment, result) : lab::Conclusions{};
   nlohmann::ordered_json json = lab::to_json(experiment, result);

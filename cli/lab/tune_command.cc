@@ -77,7 +77,7 @@ void tune_in_shards(const lab::Study& study, const lab::StudyOptions& options, c
                     Invocation& invocation) {
   const std::size_t count = shards.count(options.out);
   lab::keep_job(options.out, {lab::job_command(invocation.arguments), std::filesystem::current_path(), count,
-                         lab::study_inputs(study, options)});
+                              lab::study_inputs(study, options)});
   if (shards.is_merge()) {
     show_search("score ", "", options.out,
                 [&](const lab::ShowProgress& show) { return lab::merge_study(study, options, count, show); });
@@ -95,7 +95,8 @@ void tune_in_shards(const lab::Study& study, const lab::StudyOptions& options, c
 }
 
 void tune(const TuneArguments& arguments, Invocation& invocation) {
-  const lab::Study study = lab::read_study(simulation::find_input(simulation::InputKind::kStudy, arguments.study));
+  const lab::Study study =
+      lab::read_study(simulation::find_input(simulation::InputKind::kStudy, arguments.study));
   lab::StudyOptions options = arguments.options;
   options.method = arguments.search == "cma-es" ? lab::Method::kCmaEs : lab::Method::kNsga2;
   if (!arguments.stepper.empty())
@@ -119,8 +120,9 @@ void tune_gait(const TuneGaitArguments& arguments) {
       overrides_of({.duration = arguments.duration, .stepper = arguments.stepper, .robot = arguments.robot});
   if (options.out.empty())
     options.out = "runs/tune-gait/" + lab::gyro_feedback_cell(arguments.points, arguments.feedback == "on");
-  const lab::GaitSearchResult result = show_search(
-      "", " m/s", options.out, [&](const lab::ShowProgress& show) { return lab::search_gait(options, show); });
+  const lab::GaitSearchResult result =
+      show_search("", " m/s", options.out,
+                  [&](const lab::ShowProgress& show) { return lab::search_gait(options, show); });
   if (!arguments.result.empty()) write_whole_file(arguments.result, result.text);
 }
 

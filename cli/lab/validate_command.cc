@@ -70,7 +70,7 @@ void write_page(const std::vector<lab::ValidationResult>& results, const Validat
   }
   const std::string date = fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr)));
   lab::write_section(arguments.page, "Validation", "results",
-                lab::page_text(results, command_line, date, arguments.page.stem().string()));
+                     lab::page_text(results, command_line, date, arguments.page.stem().string()));
 }
 
 int validate(ValidateArguments arguments, const std::string& command_line) {

@@ -25,8 +25,8 @@ void check_motions(const MotionCheckArguments& arguments, Invocation& invocation
   tools::MotionChecker checker(robot);
   for (const std::filesystem::path& motion : arguments.motions) {
     const tools::MotionReport report = checker.check(find_motion_file(motion, robot));
-    const std::string text =
-        arguments.json ? tools::report_json(report, checker) : tools::report_text(report, checker, arguments.steps);
+    const std::string text = arguments.json ? tools::report_json(report, checker)
+                                            : tools::report_text(report, checker, arguments.steps);
     fmt::print("{}", text);
     if (report.has_errors()) invocation.exit_status = 1;
   }

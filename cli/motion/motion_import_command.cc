@@ -55,8 +55,9 @@ std::string page_text(const tools::ForeignMotion& motion) {
   return fmt::format("{:4}  {:16}  {}", motion.page, motion.name, count_text(frames, "frame"));
 }
 
-const tools::ForeignMotion& choose(const std::filesystem::path& file, const std::vector<tools::ForeignMotion>& motions,
-                            const std::optional<int>& page) {
+const tools::ForeignMotion& choose(const std::filesystem::path& file,
+                                   const std::vector<tools::ForeignMotion>& motions,
+                                   const std::optional<int>& page) {
   if (!page && motions.size() == 1) return motions.front();
   const auto found = std::ranges::find_if(
       motions, [&](const tools::ForeignMotion& motion) { return page && motion.page == *page; });
@@ -84,7 +85,7 @@ int import_motion(MotionImportArguments& arguments) {
   if (arguments.clamp_deg) options.largest_clamp_rad = kRadPerDegree * *arguments.clamp_deg;
   const tools::ConvertedMotion converted =
       tools::convert_motion(file, motion, tools::find_joints(file, motion, robot, arguments.map),
-                     simulation::load_named_model(robot), options);
+                            simulation::load_named_model(robot), options);
   for (const std::string& line : converted.report) print_error("{}: {}\n", file.string(), utf8_line(line));
   if (arguments.out.empty()) {
     fmt::print("{}", converted.text);

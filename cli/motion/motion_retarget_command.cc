@@ -36,7 +36,8 @@ std::string verdict_text(const std::string& robot, const tools::MotionReport& re
   std::size_t errors = 0;
   for (const simulation::Diagnostic& diagnostic : report.diagnostics)
     errors += diagnostic.severity == simulation::Severity::kError ? 1 : 0;
-  std::string text = robot + ": " + std::string(tools::kBalanceNames.at(static_cast<std::size_t>(report.balance)));
+  std::string text =
+      robot + ": " + std::string(tools::kBalanceNames.at(static_cast<std::size_t>(report.balance)));
   if (report.balance != tools::Balance::kNotJudged)
     text += fmt::format(", least margin {:.1f} mm", report.least_margin_m * kMmPerM);
   return text + fmt::format(", {:.2f} s, {}\n", report.duration_s, count_text(errors, "error"));
@@ -50,7 +51,8 @@ int retarget(const MotionRetargetArguments& arguments) {
   tools::MotionChecker to(to_file);
   const tools::MotionReport before = from.check(file);
   const tools::ForeignMotion motion = [&] {
-    tools::ForeignMotion frames = tools::flatten_motion(simulation::parse_motion(file, from.model()), from.model());
+    tools::ForeignMotion frames =
+        tools::flatten_motion(simulation::parse_motion(file, from.model()), from.model());
     frames.format = tools::MotionFormat::kOwn;
     return frames;
   }();

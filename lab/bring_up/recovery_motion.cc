@@ -43,7 +43,8 @@ RecoveryMotion RecoveryMotion::retarget(const std::string& name, const std::file
   const sim_board::RobotDescription from_robot = sim_board::load_robot(from);
   const simulation::NamedModel from_model = simulation::load_named_model(from_robot);
   const simulation::MotionSource source = simulation::parse_motion(file, from_model);
-  const tools::JointMap map = tools::retarget_joints(file, tools::flatten_motion(source, from_model), from_robot, to);
+  const tools::JointMap map =
+      tools::retarget_joints(file, tools::flatten_motion(source, from_model), from_robot, to);
   RecoveryMotion motion(name, to);
   for (const tools::ForeignNote& note : map.notes) motion.notes_.push_back(note.text);
   for (const simulation::PoseSource& pose : source.poses) {

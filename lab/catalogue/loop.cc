@@ -113,13 +113,15 @@ std::vector<LoopCurve> curves_of(const LoopOptions& options, const ExperimentRes
 }
 
 tools::PanelGrid bode_plot(const std::vector<LoopCurve>& curves) {
-  tools::PanelGrid grid{.title = "Open loop of the balance feedback, broken at the gyro",
-                 .columns = 1,
-                 .panel_height_px = 320,
-                 .panels = {{.x_label = "frequency [Hz]", .y_label = "gain", .log_x = true, .log_y = true},
-                            {.x_label = "frequency [Hz]", .y_label = "phase [deg]", .log_x = true}}};
+  tools::PanelGrid grid{
+      .title = "Open loop of the balance feedback, broken at the gyro",
+      .columns = 1,
+      .panel_height_px = 320,
+      .panels = {{.x_label = "frequency [Hz]", .y_label = "gain", .log_x = true, .log_y = true},
+                 {.x_label = "frequency [Hz]", .y_label = "phase [deg]", .log_x = true}}};
   for (std::size_t i = 0; i < curves.size(); ++i) {
-    tools::PlaneCurve gain{.label = curves[i].name, .style = tools::LineStyle::kLinesPoints, .colour = static_cast<int>(i)};
+    tools::PlaneCurve gain{
+        .label = curves[i].name, .style = tools::LineStyle::kLinesPoints, .colour = static_cast<int>(i)};
     tools::PlaneCurve phase = gain;
     const std::vector<double> phases = unwrapped_phases_deg(curves[i].points);
     for (std::size_t j = 0; j < phases.size(); ++j) {

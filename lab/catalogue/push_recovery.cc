@@ -162,13 +162,14 @@ tools::PlaneFigure polar_figure(const std::vector<PushColumn>& columns) {
                               ? fmt::format("Impulse that the weakest of {} seeds survives", fewest)
                               : "Impulses that 95 of 100 survive";
   tools::PlaneFigure figure{.title = who + " [N s/kg], by the direction of the push",
-                     .x_label = "to the right",
-                     .y_label = "forward"};
+                            .x_label = "to the right",
+                            .y_label = "forward"};
   for (const double radius : {0.1, 0.2, 0.3, 0.4}) figure.curves.push_back(ring(radius));
   for (const PushColumn& column : columns) {
-    tools::PlaneCurve curve{.label = column.label(),
-                     .style = column.without == kNothing ? tools::LineStyle::kSolid : tools::LineStyle::kDashed,
-                     .colour = colour_of(column)};
+    tools::PlaneCurve curve{
+        .label = column.label(),
+        .style = column.without == kNothing ? tools::LineStyle::kSolid : tools::LineStyle::kDashed,
+        .colour = colour_of(column)};
     for (const auto& [direction_rad, impulse] : column.directions) {
       curve.points.push_back(
           {-impulse.value * std::sin(direction_rad), impulse.value * std::cos(direction_rad)});

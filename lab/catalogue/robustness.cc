@@ -305,15 +305,17 @@ ShareEstimate robustness_lost(const CellResult& cell) {
 
 // The share that is lost without any factor is the first point of every curve.
 tools::GridPanel panel_of(const Factor& factor, const std::vector<RobustnessCase>& cases,
-                   const RobustnessOptions& options, const ExperimentResult& result) {
-  tools::GridPanel panel{
-      .title = factor.name, .x_label = factor.unit, .y_label = "lost [%]", .y_span = tools::Span{-2.0, 102.0}};
+                          const RobustnessOptions& options, const ExperimentResult& result) {
+  tools::GridPanel panel{.title = factor.name,
+                         .x_label = factor.unit,
+                         .y_label = "lost [%]",
+                         .y_span = tools::Span{-2.0, 102.0}};
   const std::vector<Activity> shown = chosen(known_activities(), options.activities);
   for (std::size_t i = 0; i < shown.size(); ++i) {
     tools::PlaneCurve curve{.label = shown[i].name,
-                     .style = tools::LineStyle::kLinesPoints,
-                     .colour = static_cast<int>(i),
-                     .width = 1.4};
+                            .style = tools::LineStyle::kLinesPoints,
+                            .colour = static_cast<int>(i),
+                            .width = 1.4};
     for (std::size_t cell = 0; cell < cases.size(); ++cell) {
       if (cases[cell].activity.name != shown[i].name || cases[cell].factor.name != factor.name) continue;
       const ShareEstimate lost = robustness_lost(result.cells[cell]);

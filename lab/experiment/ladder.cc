@@ -43,10 +43,10 @@ std::string climb_line(const Experiment& experiment, const Ladder& ladder, const
 double level_of(const Cell& cell) { return koboshi::parse_number(cell.settings.back().second).value(); }
 
 tools::PlaneFigure ladder_figure(const std::string& title, const Experiment& experiment,
-                          const ExperimentResult& result) {
+                                 const ExperimentResult& result) {
   tools::PlaneFigure figure{.title = title,
-                     .x_label = "level, as a share of the hardest",
-                     .y_label = "share of the seeds that failed"};
+                            .x_label = "level, as a share of the hardest",
+                            .y_label = "share of the seeds that failed"};
   figure.curves.push_back({.points = {{0.0, kMaxFailureShare}, {1.0, kMaxFailureShare}},
                            .style = tools::style_of(tools::Role::kTheory),
                            .colour = tools::colour_of(tools::Role::kTheory)});
@@ -58,9 +58,9 @@ tools::PlaneFigure ladder_figure(const std::string& title, const Experiment& exp
     const double hardest = level_of(experiment.cells[ladder.cells.back()]);
     tools::PlaneCurve& curve = figure.curves.emplace_back(
         tools::PlaneCurve{.label = ladder.name + " (1 = " + number_text(hardest) + " " + ladder.unit + ")",
-                   .style = tools::LineStyle::kLinesPoints,
-                   .colour = static_cast<int>(i),
-                   .width = kWidest - kNarrower * static_cast<double>(i)});
+                          .style = tools::LineStyle::kLinesPoints,
+                          .colour = static_cast<int>(i),
+                          .width = kWidest - kNarrower * static_cast<double>(i)});
     for (const std::size_t cell : ladder.cells) {
       if (result.cells[cell].stop == Stop::kNotReached) break;
       curve.points.push_back({level_of(experiment.cells[cell]) / hardest,

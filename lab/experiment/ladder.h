@@ -29,6 +29,6 @@ struct Climb {
 
 // The share that failed on each level, over the level as a share of the ladder's hardest.
 [[nodiscard]] tools::PlaneFigure ladder_figure(const std::string& title, const Experiment& experiment,
-                                        const ExperimentResult& result);
+                                               const ExperimentResult& result);
 
 }  // namespace koboshi::lab

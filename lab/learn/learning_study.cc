@@ -236,7 +236,7 @@ LearningStudy read_learning_study(const std::filesystem::path& file) {
 
 tools::PolicyMap learned_map(const LearningStudy& study, const simulation::NamedModel& robot) {
   tools::PolicyMap map{.name = study.file.stem().string().substr(0, policy::kPolicyNameSize),
-                .patience_ticks = study.patience_ticks};
+                       .patience_ticks = study.patience_ticks};
   const bool is_ascii = std::ranges::all_of(map.name, [](char c) { return c >= ' ' && c <= '~'; });
   if (!is_ascii) map.name = "learned";
   for (const LearnedOutput& output : study.outputs) {

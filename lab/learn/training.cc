@@ -79,7 +79,7 @@ class Training {
   void validate();
   ValidationMean mean_of_validation(std::span<const std::byte> image) const;
   tools::QuantisedPolicy quantised(std::span<const double> weights,
-                            const std::vector<std::vector<double>>& rows) const;
+                                   const std::vector<std::vector<double>>& rows) const;
   std::vector<std::byte> image_of(std::span<const double> weights) const {
     return quantised(weights, {std::vector<double>(map_.inputs.size(), 0.0)}).image;
   }
@@ -113,7 +113,7 @@ class Training {
 };
 
 tools::QuantisedPolicy Training::quantised(std::span<const double> weights,
-                                    const std::vector<std::vector<double>>& rows) const {
+                                           const std::vector<std::vector<double>>& rows) const {
   return tools::quantise(network_.network(weights), map_, rows, player_.model(), study_.file);
 }
 
@@ -281,7 +281,8 @@ void Training::finish() {
 }
 
 std::string Training::draw_curve() const {
-  tools::Figure figure{.title = study_.file.filename().string(), .x_column = "generation", .x_label = "generation"};
+  tools::Figure figure{
+      .title = study_.file.filename().string(), .x_column = "generation", .x_label = "generation"};
   figure.panels.push_back(
       {.y_label = "reward", .series = {{.column = "reward", .style = tools::LineStyle::kLinesPoints}}});
   figure.panels.push_back(

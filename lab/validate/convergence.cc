@@ -30,7 +30,8 @@ std::vector<double> relative(const std::vector<double>& errors) {
   return result;
 }
 
-void add_curve(Plot& plot, const std::string& name, const std::vector<double>& values, tools::LineStyle style) {
+void add_curve(Plot& plot, const std::string& name, const std::vector<double>& values,
+               tools::LineStyle style) {
   plot.columns.emplace_back(name, values);
   plot.figure.panels[0].series.push_back({.column = name, .label = name, .style = style});
 }

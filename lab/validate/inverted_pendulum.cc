@@ -73,22 +73,21 @@ void check_leg(const ValidationSetup& setup, Findings& findings) {
                    tolerance_m(acceleration[axis], end_m[axis] - kStep.to_m[axis], kStep.duration_s,
                                setup.world.step_s));
   }
-  Plot plot{.name = "inverted-pendulum",
-            .caption =
-                "A step of the walk: the mass comes in, slows down over the foot and leaves (x), and draws "
-                "near to it (y), as the gait's pendulum (dashed) says; at 0.4 s the error of a step of 1 ms "
-                "has grown to what theory says of it.",
-            .columns = {{"time_s", path.time_s},
-                        {"x_mm", {}},
-                        {"x_theory_mm", {}},
-                        {"y_mm", {}},
-                        {"y_theory_mm", {}}},
-            .figure = {.title = "Linear inverted pendulum, 0.18 m high, over a ZMP that moves",
-                       .panels = {{.y_label = "position [mm]",
-                                   .series = {tools::series(tools::Role::kFirst, "x_mm", "x, simulated"),
-                                              tools::series(tools::Role::kSecond, "y_mm", "y, simulated"),
-                                              tools::series(tools::Role::kTheory, "x_theory_mm", "pendulum of the gait"),
-                                              tools::series(tools::Role::kTheory, "y_theory_mm", "")}}}}};
+  Plot plot{
+      .name = "inverted-pendulum",
+      .caption =
+          "A step of the walk: the mass comes in, slows down over the foot and leaves (x), and draws "
+          "near to it (y), as the gait's pendulum (dashed) says; at 0.4 s the error of a step of 1 ms "
+          "has grown to what theory says of it.",
+      .columns =
+          {{"time_s", path.time_s}, {"x_mm", {}}, {"x_theory_mm", {}}, {"y_mm", {}}, {"y_theory_mm", {}}},
+      .figure = {
+          .title = "Linear inverted pendulum, 0.18 m high, over a ZMP that moves",
+          .panels = {{.y_label = "position [mm]",
+                      .series = {tools::series(tools::Role::kFirst, "x_mm", "x, simulated"),
+                                 tools::series(tools::Role::kSecond, "y_mm", "y, simulated"),
+                                 tools::series(tools::Role::kTheory, "x_theory_mm", "pendulum of the gait"),
+                                 tools::series(tools::Role::kTheory, "y_theory_mm", "")}}}}};
   for (std::size_t i = 0; i < path.time_s.size(); ++i) {
     const Vector2d theory_m = gait.advance(kStart, kStep, path.time_s[i]).position_m;
     plot.columns[1].second.push_back(1e3 * path.position_m[i].x());

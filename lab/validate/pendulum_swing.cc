@@ -142,13 +142,14 @@ void check_double(const ValidationSetup& setup, Findings& findings) {
                    {"upper_theory_rad", upper_theory_rad},
                    {"lower_theory_rad", lower_theory_rad},
                    {"energy_error_mJ", off_mJ}},
-       .figure = {.title = "Double pendulum, let go at 1.2 and 0.6 rad",
-                  .panels = {{.y_label = "joint angle [rad]",
-                              .series = {tools::series(tools::Role::kFirst, "upper_rad", "upper, simulated"),
-                                         tools::series(tools::Role::kSecond, "lower_rad", "lower, simulated"),
-                                         tools::series(tools::Role::kTheory, "upper_theory_rad", "Runge-Kutta"),
-                                         tools::series(tools::Role::kTheory, "lower_theory_rad", "")}},
-                             {.y_label = "energy error [mJ]", .series = {{.column = "energy_error_mJ"}}}}}});
+       .figure = {
+           .title = "Double pendulum, let go at 1.2 and 0.6 rad",
+           .panels = {{.y_label = "joint angle [rad]",
+                       .series = {tools::series(tools::Role::kFirst, "upper_rad", "upper, simulated"),
+                                  tools::series(tools::Role::kSecond, "lower_rad", "lower, simulated"),
+                                  tools::series(tools::Role::kTheory, "upper_theory_rad", "Runge-Kutta"),
+                                  tools::series(tools::Role::kTheory, "lower_theory_rad", "")}},
+                      {.y_label = "energy error [mJ]", .series = {{.column = "energy_error_mJ"}}}}}});
 }
 
 Findings run_pendulum_swing(const ValidationSetup& setup) {

@@ -105,7 +105,8 @@ std::string to_csv(const std::vector<ValidationResult>& results) {
 }
 
 void draw_plots(const ValidationResult& result, const std::filesystem::path& folder) {
-  for (const Plot& plot : result.findings.plots) tools::draw_with_csv(plot.figure, plot.columns, folder / plot.name);
+  for (const Plot& plot : result.findings.plots)
+    tools::draw_with_csv(plot.figure, plot.columns, folder / plot.name);
 }
 
 std::string page_text(const std::vector<ValidationResult>& results, const std::string& command_line,

@@ -58,19 +58,20 @@ Plot motion_figure(const std::string& name, const std::string& title, const std:
     target_rad.push_back(trial.target_rad(exact.time_s[i]));
     error_mrad.push_back(1e3 * (found.position_rad[i] - exact.position_rad[i]));
   }
-  return {.name = name,
-          .caption = caption,
-          .columns = {{"time_s", exact.time_s},
-                      {"target_rad", target_rad},
-                      {"simulated_rad", found.position_rad},
-                      {"reference_rad", exact.position_rad},
-                      {"error_mrad", error_mrad}},
-          .figure = {.title = title,
-                     .panels = {{.y_label = "position [rad]",
-                                 .series = {tools::series(tools::Role::kPlanned, "target_rad", "target"),
-                                            tools::series(tools::Role::kTrue, "simulated_rad", "simulated"),
-                                            tools::series(tools::Role::kTheory, "reference_rad", "Runge-Kutta")}},
-                                {.y_label = "error [mrad]", .series = {{.column = "error_mrad"}}}}}};
+  return {
+      .name = name,
+      .caption = caption,
+      .columns = {{"time_s", exact.time_s},
+                  {"target_rad", target_rad},
+                  {"simulated_rad", found.position_rad},
+                  {"reference_rad", exact.position_rad},
+                  {"error_mrad", error_mrad}},
+      .figure = {.title = title,
+                 .panels = {{.y_label = "position [rad]",
+                             .series = {tools::series(tools::Role::kPlanned, "target_rad", "target"),
+                                        tools::series(tools::Role::kTrue, "simulated_rad", "simulated"),
+                                        tools::series(tools::Role::kTheory, "reference_rad", "Runge-Kutta")}},
+                            {.y_label = "error [mrad]", .series = {{.column = "error_mrad"}}}}}};
 }
 
 // Steady speed at full supply under loads from zero to near stall.

@@ -137,11 +137,13 @@ Plot figure(const Comparison& comparison) {
           .panels = {{.y_label = "ZMP x [mm]",
                       .series = {tools::series(tools::Role::kMeasured, "sensors_x_mm", "ankle sensors"),
                                  tools::series(tools::Role::kTrue, "contacts_x_mm", "contact forces (true)"),
-                                 tools::series(tools::Role::kTheory, "inertial_x_mm", "by the motion of all links")}},
+                                 tools::series(tools::Role::kTheory, "inertial_x_mm",
+                                               "by the motion of all links")}},
                      {.y_label = "against contact forces [um]",
                       .series = {tools::series(tools::Role::kMeasured, "resolution_error_um",
-                                        "sensors without noise and bias"),
-                                 tools::series(tools::Role::kTheory, "inertial_error_um", "by the motion of all links")}}},
+                                               "sensors without noise and bias"),
+                                 tools::series(tools::Role::kTheory, "inertial_error_um",
+                                               "by the motion of all links")}}},
           .x_span = kShown_s}};
 }
 

@@ -31,8 +31,8 @@ class SelfContacts {
 
   explicit SelfContacts(const sim_board::RobotDescription& robot);
 
-  // Observes a tick of kTick_us, in a state in which links should not touch. Returns a contact that has now lasted kReported_us, once for each pair of
-  // links.
+  // Observes a tick of kTick_us, in a state in which links should not touch. Returns a contact that has now
+  // lasted kReported_us, once for each pair of links.
   std::optional<SelfContact> observe(const sim_board::World& world, const Telemetry& said);
   void archive(sim_board::StateArchive& archive) { archive(contacts_); }
 

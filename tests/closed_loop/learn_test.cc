@@ -81,8 +81,9 @@ TEST_F(Learn, GivesTheSameBytesWithTwoThreadsAndAfterAnInterruption) {
 
   // Interrupted after the first generation, while the second one has written half a line.
   const lab::TrainingOptions resumed = options("three");
-  EXPECT_THROW(static_cast<void>(lab::train(study_, resumed, [](const lab::TrainingProgress&) { throw Killed(); })),
-               Killed);
+  EXPECT_THROW(
+      static_cast<void>(lab::train(study_, resumed, [](const lab::TrainingProgress&) { throw Killed(); })),
+      Killed);
   std::ofstream(resumed.out / "log.jsonl", std::ios::app) << "{\"generation\":2,\"sta";
   static_cast<void>(lab::train(study_, resumed));
   expect_same_results("one", "three");

@@ -86,7 +86,8 @@ TEST(Contacts, HoldInFallsAndInGettingUp) {
   const lab::FieldTable<lab::ContactsTrial> fields =
       lab::contacts_fields(sim_board::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf"));
   for (const lab::CellResult& cell : result.cells) {
-    for (const lab::ContactsTrial& trial : fields.trials(cell)) EXPECT_NE(trial.outcome, lab::Outcome::kSurvived);
+    for (const lab::ContactsTrial& trial : fields.trials(cell))
+      EXPECT_NE(trial.outcome, lab::Outcome::kSurvived);
   }
   const lab::Conclusions conclusions = experiment.conclude(experiment, result);
   EXPECT_LT(conclusions.values.at("deepest_without_force_m").get<double>(), 0.001);

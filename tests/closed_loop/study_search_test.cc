@@ -42,7 +42,8 @@ class StudySearch : public testing::Test {
   }
   lab::SearchResult search(lab::Method with) {
     options_.method = with;
-    return lab::search_study(study_, options_, [this](const lab::SearchProgress& progress) { progress_ = progress; });
+    return lab::search_study(study_, options_,
+                             [this](const lab::SearchProgress& progress) { progress_ = progress; });
   }
 
   simulation::TemporaryTree tree_;

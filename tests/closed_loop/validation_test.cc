@@ -17,7 +17,8 @@ namespace {
 class Physics : public testing::TestWithParam<lab::Validation> {};
 
 TEST_P(Physics, AgreesWithTheory) {
-  const lab::ValidationSetup setup{.short_form = true, .scenario = KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"};
+  const lab::ValidationSetup setup{.short_form = true,
+                                   .scenario = KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"};
   const lab::ValidationResult result = lab::play(GetParam(), setup);
   ASSERT_FALSE(result.findings.checks.empty());
   double largest_error = 0.0;

@@ -119,7 +119,8 @@ TEST(Loop, HasAGainOnlyWithFeedback) {
   options.shortest_s = 2.0;
   const auto gain = [&] {
     const lab::Experiment experiment = lab::make_loop(options);
-    const lab::LoopTrial trial = lab::loop_fields().trials(lab::play_experiment(experiment, {}).cells.front()).at(0);
+    const lab::LoopTrial trial =
+        lab::loop_fields().trials(lab::play_experiment(experiment, {}).cells.front()).at(0);
     EXPECT_EQ(trial.outcome, lab::Outcome::kSurvived) << trial.error;
     return std::hypot(trial.gain_real.value_or(0.0), trial.gain_imaginary.value_or(0.0));
   };

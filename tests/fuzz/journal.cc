@@ -11,8 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto read = [](const std::string& text) {
     const std::string_view view = text;
     return fuzz::read_or_refuse([&] {
-      return lab::read_journal(
-          file.with({reinterpret_cast<const std::uint8_t*>(view.data()), view.size()}));
+      return lab::read_journal(file.with({reinterpret_cast<const std::uint8_t*>(view.data()), view.size()}));
     });
   };
   const std::string text(fuzz::text_of({data, size}));

@@ -11,8 +11,7 @@
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
-  const koboshi::bus::Network network =
-      koboshi::bus::make_network(koboshi::sim_board::load_robot(argv[1]));
+  const koboshi::bus::Network network = koboshi::bus::make_network(koboshi::sim_board::load_robot(argv[1]));
   koboshi::sim_board::CandumpReader log(argv[2]);
   for (int number = 0; const auto logged = log.next(); ++number) {
     const auto* frame = std::get_if<koboshi::hal::CanFrame>(&logged->frame);

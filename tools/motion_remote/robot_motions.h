@@ -33,7 +33,8 @@ class RobotMotions {
   std::vector<std::uint8_t> download(std::uint16_t number, const bus::SdoProgress& progress = {});
   // Stores an image under this number and reads it back. Throws std::runtime_error if the robot returns other
   // bytes.
-  void upload(std::uint16_t number, std::span<const std::uint8_t> image, const bus::SdoProgress& progress = {});
+  void upload(std::uint16_t number, std::span<const std::uint8_t> image,
+              const bus::SdoProgress& progress = {});
 
   // Returns the number of the motion with this name, or of one that `text` is the number of. Throws
   // std::invalid_argument with the names there are.

@@ -167,7 +167,8 @@ StlFile read_stl(const std::filesystem::path& file) {
   }
   // A binary file may begin with the same word, but its size then fits its number of triangles.
   if (const std::string text = with_line_feeds(bytes); Words(text).next() == "solid") return read_ascii(text);
-  return {.fault = bytes.empty() ? "an empty file" : "another format, or a binary STL of another length than it says"};
+  return {.fault = bytes.empty() ? "an empty file"
+                                 : "another format, or a binary STL of another length than it says"};
 }
 
 }  // namespace koboshi::view

@@ -215,11 +215,10 @@ ordered_json group_json(ColumnPack& pack, const FrameGroup& group, const bus::Ob
   }
   ordered_json json = {{"identifier", first.identifier}, {"size", first.size},
                        {"remote", first.remote},         {"kind", kind_text(kind)},
-                       {"node", bus::node_of(first)},  {"bytes", bytes}};
+                       {"node", bus::node_of(first)},    {"bytes", bytes}};
   if (kind != bus::FrameKind::kPdo) {
-    json["texts"] = integer_column(pack, group.frames, [&](const auto* frame) {
-      return texts.index_of(bus::describe(*frame, names));
-    });
+    json["texts"] = integer_column(
+        pack, group.frames, [&](const auto* frame) { return texts.index_of(bus::describe(*frame, names)); });
   }
   return json;
 }

@@ -336,11 +336,11 @@ LibraryOutcome play_library_trial(std::string_view trial, std::string_view stepp
   const std::unique_ptr<Judge> judge = plan->make_judge();
   const lab::ScenarioTrial played =
       lab::watch_in_world(scenario_of(*plan, stepper, world), seed,
-                            [&](const Simulation& simulation, const RunRecorder& recorder) {
-                              const double time_s = simulation.board().world().time_s() - kPlay_s;
-                              if (time_s >= 0.0) judge->observe(time_s, simulation, recorder);
-                              return false;
-                            });
+                          [&](const Simulation& simulation, const RunRecorder& recorder) {
+                            const double time_s = simulation.board().world().time_s() - kPlay_s;
+                            if (time_s >= 0.0) judge->observe(time_s, simulation, recorder);
+                            return false;
+                          });
   if (!played.error.empty()) return {.failure = played.error};
   return judge->judge();
 }

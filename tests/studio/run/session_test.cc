@@ -172,7 +172,9 @@ TEST(Session, PausesOnceAtTheEndOfTheScenario) {
   session.set_speed(Session::kUnpaced);
   session.start();
   // One status a turn: between two of them the run may start.
-  const auto at_rest = [](const SessionStatus& now) { return now.state == State::kPaused && now.time_us > 0; };
+  const auto at_rest = [](const SessionStatus& now) {
+    return now.state == State::kPaused && now.time_us > 0;
+  };
   while (!at_rest(session.status())) std::this_thread::yield();
   ASSERT_EQ(session.status().time_us, 200'000U);
   session.start();

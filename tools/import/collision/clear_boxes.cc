@@ -79,8 +79,7 @@ std::optional<Contact> first_contact(Boxes& boxes, std::size_t joint, double end
     const double angle_rad = end_rad * step / steps;
     boxes.pose(std::array{Boxes::Turn{joint, angle_rad}});
     for (const auto& [a, b] : pairs)
-      if (!boxes.are_far(a, b, 0.0) && boxes.overlap_m(a, b) > kTouching_m)
-        return Contact{angle_rad, a, b};
+      if (!boxes.are_far(a, b, 0.0) && boxes.overlap_m(a, b) > kTouching_m) return Contact{angle_rad, a, b};
   }
   return std::nullopt;
 }
