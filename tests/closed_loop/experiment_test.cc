@@ -47,7 +47,7 @@ TEST(GyroFeedback, ChangesTheMotionButNotTheEstimate) {
   EXPECT_FALSE(seeded.pushes.empty());
 }
 
-TEST(lab::ScenarioTrial, ReportsWhyItEnded) {
+TEST(ScenarioTrial, ReportsWhyItEnded) {
   const std::vector<Override> overrides{{"duration_s", "1"},
                                         {"faults", "[{at_s: 0, kind: controller_stop}]"}};
   const simulation::Scenario scenario =
