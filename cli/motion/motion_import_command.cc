@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -33,6 +34,14 @@ struct MotionImportArguments {
   std::optional<double> clamp_deg;
   bool retime = false;
   bool list = false;
+  bool all = false;
+};
+
+// The robot that motions are converted for, and how.
+struct Destination {
+  sim_board::RobotDescription robot;
+  simulation::NamedModel model;
+  tools::ConversionOptions options;
 };
 
 std::string read_bytes(const std::filesystem::path& file) {
@@ -64,9 +73,74 @@ const tools::ForeignMotion& choose(const std::filesystem::path& file,
   if (found != motions.end()) return *found;
   if (!page)
     throw InputError(file, 0, count_text(motions.size(), "page") + " with motions",
-                     "FILE:PAGE; koboshi motion import --list FILE shows them");
+                     "FILE:PAGE, or --all; koboshi motion import --list FILE shows them");
   throw InputError(file, 0, "no motion on page " + std::to_string(*page),
                    "one of the pages that koboshi motion import --list FILE shows");
+}
+
+Destination destination_of(const MotionImportArguments& arguments) {
+  const std::filesystem::path file = simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
+  sim_board::RobotDescription robot = sim_board::load_robot(file);
+  simulation::NamedModel model = simulation::load_named_model(robot);
+  tools::ConversionOptions options{.retime = arguments.retime, .largest_clamp_rad = {}};
+  if (arguments.clamp_deg) options.largest_clamp_rad = kRadPerDegree * *arguments.clamp_deg;
+  return {std::move(robot), std::move(model), options};
+}
+
+// Converts a motion and says what was changed in it. `place` is FILE or FILE:PAGE.
+tools::ConvertedMotion convert(const std::string& place, const std::filesystem::path& file,
+                               const tools::ForeignMotion& motion, const std::filesystem::path& map,
+                               const Destination& to) {
+  tools::ConvertedMotion converted = tools::convert_motion(
+      file, motion, tools::find_joints(file, motion, to.robot, map), to.model, to.options);
+  for (const std::string& line : converted.report) print_error("{}: {}\n", place, utf8_line(line));
+  print_error(
+      "{}: {}; {} left out as straight, {} clamped, {} stretched; {:.3f} s in the file, {:.3f} s now\n",
+      place, count_text(converted.frames, "frame"), converted.left_out,
+      count_text(converted.clamped, "angle"), count_text(converted.stretched, "move"), converted.original_s,
+      converted.duration_s);
+  if (converted.too_fast > converted.stretched)
+    print_error("{}: {} too fast for the servos; --retime gives them the time\n", place,
+                converted.too_fast == 1 ? "a move is" : std::to_string(converted.too_fast) + " moves are");
+  return converted;
+}
+
+// 007_look_left.yaml
+std::string file_name(const tools::ForeignMotion& motion) {
+  std::string name = fmt::format("{:03}", motion.page);
+  bool gap = true;
+  for (const char c : motion.name) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (plain && gap) name += '_';
+    if (plain) name += static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+    gap = !plain;
+  }
+  return name + ".yaml";
+}
+
+// Imports each page into a file of its own. Pages that cannot be converted are named; returns 1 if there are
+// any. Writes nothing before all pages are converted.
+int import_all(const MotionImportArguments& arguments, const std::vector<tools::ForeignMotion>& motions) {
+  if (arguments.out.empty()) throw InputError(arguments.file, 0, "--all without a folder", "-o FOLDER");
+  const std::filesystem::path file = arguments.file;
+  const Destination to = destination_of(arguments);
+  std::vector<std::pair<std::filesystem::path, std::string>> results;
+  for (const tools::ForeignMotion& motion : motions) {
+    const std::string place = fmt::format("{}:{}", arguments.file, motion.page);
+    const std::filesystem::path out = arguments.out / file_name(motion);
+    if (std::filesystem::exists(out))
+      throw InputError(out, 0, "a file of this name", "a folder without it: nothing is overwritten");
+    try {
+      results.emplace_back(out, convert(place, file, motion, arguments.map, to).text);
+    } catch (const InputError& error) {
+      print_error("{}: left out: {}\n", place, error.what());
+    }
+  }
+  std::filesystem::create_directories(arguments.out);
+  for (const auto& [out, text] : results) write_whole_file(out, text);
+  fmt::print("{} of {} imported into {}\n", results.size(), count_text(motions.size(), "page"),
+             arguments.out.string());
+  return results.size() == motions.size() ? 0 : 1;
 }
 
 int import_motion(MotionImportArguments& arguments) {
@@ -77,32 +151,21 @@ int import_motion(MotionImportArguments& arguments) {
     for (const tools::ForeignMotion& motion : motions) fmt::print("{}\n", page_text(motion));
     return 0;
   }
-  const tools::ForeignMotion& motion = choose(file, motions, page);
-  const std::filesystem::path robot_file =
-      simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
-  const sim_board::RobotDescription robot = sim_board::load_robot(robot_file);
-  tools::ConversionOptions options{.retime = arguments.retime, .largest_clamp_rad = {}};
-  if (arguments.clamp_deg) options.largest_clamp_rad = kRadPerDegree * *arguments.clamp_deg;
-  const tools::ConvertedMotion converted =
-      tools::convert_motion(file, motion, tools::find_joints(file, motion, robot, arguments.map),
-                            simulation::load_named_model(robot), options);
-  for (const std::string& line : converted.report) print_error("{}: {}\n", file.string(), utf8_line(line));
-  if (arguments.out.empty()) {
-    fmt::print("{}", converted.text);
-  } else {
-    std::error_code missing;
-    if (std::filesystem::equivalent(file, arguments.out, missing))
-      throw InputError(arguments.out, 0, "the input as the output", "another file for the result");
-    write_whole_file(arguments.out, converted.text);
+  if (arguments.all) {
+    if (page) throw InputError(file, 0, fmt::format("page {} and --all", *page), "one of them");
+    return import_all(arguments, motions);
   }
-  print_error(
-      "{}: {}; {} left out as straight, {} clamped, {} stretched; {:.3f} s in the file, {:.3f} s now\n",
-      file.string(), count_text(converted.frames, "frame"), converted.left_out,
-      count_text(converted.clamped, "angle"), count_text(converted.stretched, "move"), converted.original_s,
-      converted.duration_s);
-  if (converted.too_fast > converted.stretched)
-    print_error("{}: {} too fast for the servos; --retime gives them the time\n", file.string(),
-                converted.too_fast == 1 ? "a move is" : std::to_string(converted.too_fast) + " moves are");
+  const tools::ForeignMotion& motion = choose(file, motions, page);
+  const std::string text =
+      convert(file.string(), file, motion, arguments.map, destination_of(arguments)).text;
+  if (arguments.out.empty()) {
+    fmt::print("{}", text);
+    return 0;
+  }
+  std::error_code missing;
+  if (std::filesystem::equivalent(file, arguments.out, missing))
+    throw InputError(arguments.out, 0, "the input as the output", "another file for the result");
+  write_whole_file(arguments.out, text);
   return 0;
 }
 
@@ -133,6 +196,7 @@ Examples:
   koboshi motion import docs/tutorial/bring-your-motions/nod.csv --retime -o nod.yaml
   koboshi motion import --list docs/tutorial/bring-your-motions/pages.mtn
   koboshi motion import docs/tutorial/bring-your-motions/pages.mtn:2 --map docs/tutorial/bring-your-motions/servos.yaml
+  koboshi motion import docs/tutorial/bring-your-motions/pages.mtn --all --map docs/tutorial/bring-your-motions/servos.yaml -o motions
 )");
   command->add_option("FILE", arguments->file, "The motion's file; FILE:PAGE for a page of a file with pages")
       ->required();
@@ -145,9 +209,13 @@ Examples:
                    "Refuse angles that are further beyond a limit (default: clamp all)")
       ->type_name("DEGREES")
       ->check(CLI::Range(0.0, 360.0));
-  command->add_flag("--list", arguments->list, "Only list the pages of the file");
-  command->add_option("-o,--out", arguments->out, "The motion file (default: standard output)")
-      ->type_name("FILE");
+  CLI::Option* list = command->add_flag("--list", arguments->list, "Only list the pages of the file");
+  command->add_flag("--all", arguments->all, "Import each page into a file of its own in the folder of --out")
+      ->excludes(list);
+  command
+      ->add_option("-o,--out", arguments->out,
+                   "The motion file (default: standard output), or the folder of --all")
+      ->type_name("PATH");
   command->callback([arguments, &invocation] { invocation.exit_status = import_motion(*arguments); });
 }
 
