@@ -65,7 +65,7 @@ TEST(CentreOfMassObserver, FollowsAMovingCentreOfMass) {
     const double t = kObserved_s * cycle;
     const double x = 0.01 * std::sin(rate_x * t);
     const double y = 0.02 * std::cos(rate_y * t);
-    const auto& motion = update(observer, standing_posture(x, y), robot::kAxisZ,
+    const auto motion = update(observer, standing_posture(x, y), robot::kAxisZ,
                                 specific_force(-rate_x * rate_x * x, -rate_y * rate_y * y), Side::kLeft);
     if (cycle < 60) continue;
     const double x_speed = 0.01 * rate_x * std::cos(rate_x * t);
@@ -147,7 +147,7 @@ TEST(CentreOfMassObserver, IsInvalidWhileTheSoleStandsOnEdgeAndBeginsAnew) {
   CentreOfMassObserver observer;
   update(observer, standing_posture(0, 0), robot::kAxisZ, specific_force(3, 0), Side::kLeft);
   EXPECT_FALSE(update(observer, on_edge, robot::kAxisZ, specific_force(3, 0), Side::kLeft).valid);
-  const auto& again =
+  const auto again =
       update(observer, standing_posture(0.03, 0.01), robot::kAxisZ, specific_force(0, 0), Side::kLeft);
   EXPECT_TRUE(again.valid);
   EXPECT_NEAR(to_double(again.position.x), 0.03, 1e-6);
@@ -163,7 +163,7 @@ TEST(CentreOfMassObserver, FindsTheCentreOfMassInAnyPose) {
     const Point forward = robot.from_sole(Side::kRight, {1, 0, 0}) - robot.from_sole(Side::kRight, {});
     if (std::hypot(forward.x, forward.y) < 0.6) continue;  // the sole stands on edge
     CentreOfMassObserver observer;
-    const auto& motion = update(observer, robot.posture, robot::kAxisZ, specific_force(0, 0), Side::kRight);
+    const auto motion = update(observer, robot.posture, robot::kAxisZ, specific_force(0, 0), Side::kRight);
     ASSERT_TRUE(motion.valid);
     const Point com = robot.com_B() - robot.from_sole(Side::kRight, {});
     const double length = std::hypot(forward.x, forward.y);

@@ -46,7 +46,7 @@ struct Stand {
 TEST(GroundEstimator, FindsASlopeAtOnce) {
   GroundEstimator estimator;
   EXPECT_FALSE(estimator.ground().valid);
-  const Ground& ground = Stand{.rise_x = 0.05, .rise_y = -0.03}.update(estimator);
+  const Ground ground = Stand{.rise_x = 0.05, .rise_y = -0.03}.update(estimator);
   EXPECT_TRUE(ground.valid);
   EXPECT_NEAR(to_double(ground.slope_x), 0.05, 1e-6);
   EXPECT_NEAR(to_double(ground.slope_y), -0.03, 1e-6);
@@ -57,13 +57,13 @@ TEST(GroundEstimator, FindsASlopeAtOnce) {
 // What it cannot tell apart it weights: 0.73 by the pressure, 0.27 by the attitude.
 TEST(GroundEstimator, WeightsBiasAndOffset) {
   GroundEstimator estimator;
-  const Ground& biased = Stand{.rise_x = 0.02, .bias_x = 0.04, .bias_y = -0.02}.update(estimator);
+  const Ground biased = Stand{.rise_x = 0.02, .bias_x = 0.04, .bias_y = -0.02}.update(estimator);
   EXPECT_NEAR(to_double(biased.slope_x), 0.02 + 0.27 * 0.04, 1e-6);
   EXPECT_NEAR(to_double(biased.slope_y), -0.27 * 0.02, 1e-6);
   EXPECT_NEAR(to_double(biased.zero_x), 0.73 * 0.04, 1e-6);
   EXPECT_NEAR(to_double(biased.zero_y), -0.73 * 0.02, 1e-6);
   GroundEstimator other;
-  const Ground& offset = Stand{.offset_x_m = 0.005, .offset_y_m = -0.002}.update(other);
+  const Ground offset = Stand{.offset_x_m = 0.005, .offset_y_m = -0.002}.update(other);
   EXPECT_NEAR(to_double(offset.slope_x), -0.73 * 0.005 / kComAbove_m, 1e-6);
   EXPECT_NEAR(to_double(offset.slope_y), 0.73 * 0.002 / kComAbove_m, 1e-6);
 }
