@@ -20,6 +20,8 @@ using namespace fixed::literals;
 // lambda^2, in squares of Ratio's LSB: 2^-20. By hand, 2026-11-26: a hundred times the rounding of the
 // factorisation, and an eighth of the square of the smallest singular value at kMinBend.
 constexpr std::int64_t kDamping_raw = std::int64_t{1} << 40;
+// Fraction bits of the inverse roots of the pivots, 0.7 to 1 / lambda = 2^10: to 2^-20 of the root itself.
+constexpr int kRootBits = 20;
 // Least pivot of a leg that moves its sole in all directions, 2^-13: a singular value of 0.011. By hand,
 // 2026-11-26: the default robot has 0.006 = 50 times as much.
 constexpr std::int64_t kMinPivot_raw = std::int64_t{1} << 47;
@@ -66,76 +68,6 @@ bool is_within(const Direction& v, Ratio limit) {
 
 bool is_within(const Position& p, Length limit) {
   return fixed::abs(p.x) <= limit && fixed::abs(p.y) <= limit && fixed::abs(p.z) <= limit;
-}
-
-Direction column(const Rotation& R, Ratio Direction::*axis) {
-  return {R.rows[0].*axis, R.rows[1].*axis, R.rows[2].*axis};
-}
-
-using Component = Ratio Direction::*;
-constexpr std::array<Component, 3> kComponents{&Direction::x, &Direction::y, &Direction::z};
-
-// Returns which axis of the base an axis lies along; 3 for an oblique one.
-std::size_t base_axis(const Direction& axis) {
-  std::size_t i = 0;
-  while (i < 3 && (axis.*kComponents[(i + 1) % 3] != Ratio() || axis.*kComponents[(i + 2) % 3] != Ratio()))
-    ++i;
-  return i;
-}
-
-// Turns R by the angle with this sine and cosine about axis i of the base: two columns mix and one stays.
-void turn_about_base_axis(Rotation& R, std::size_t i, Ratio s, Ratio c) {
-  const Component first = kComponents[(i + 1) % 3];
-  const Component second = kComponents[(i + 2) % 3];
-  for (Direction& row : R.rows) {
-    const Ratio before = row.*first;
-    row.*first = fixed::product_sum<Ratio>(before, c, row.*second, s);
-    row.*second = fixed::product_sum<Ratio>(row.*second, c, -before, s);
-  }
-}
-
-Direction scaled_by(Ratio factor, const Direction& v) {
-  return {fixed::product<Ratio>(factor, v.x), fixed::product<Ratio>(factor, v.y),
-          fixed::product<Ratio>(factor, v.z)};
-}
-
-// Turns R about an oblique axis a, given R a. By Rodrigues' formula the row v becomes
-//
-//   cos v + sin v x a + (1 - cos) (v . a) a
-//
-// with a third fewer products than the product with a rotation matrix.
-void turn_about_oblique_axis(Rotation& R, const Direction& axis, const Direction& R_axis, Ratio s, Ratio c) {
-  const Direction sa = scaled_by(s, axis);
-  const Direction along = scaled_by(fixed::kOne - c, R_axis);
-  for (std::size_t row = 0; row < 3; ++row) {
-    const Direction v = R.rows[row];
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Component first = kComponents[(i + 1) % 3];
-      const Component second = kComponents[(i + 2) % 3];
-      // |v|, |c|, |sa| and |axis| are at most 1, |along| at most 2: the sum stays within 2^62.
-      const std::int64_t sum_raw =
-          std::int64_t{(v.*kComponents[i]).raw()} * c.raw() +
-          std::int64_t{(v.*first).raw()} * (sa.*second).raw() -
-          std::int64_t{(v.*second).raw()} * (sa.*first).raw() +
-          std::int64_t{(along.*kComponents[row]).raw()} * (axis.*kComponents[i]).raw();
-      R.rows[row].*kComponents[i] = Ratio::from_wide_raw(fixed::shift_rounded(sum_raw, Ratio::kFractionBits));
-    }
-  }
-}
-
-// Turns R about an axis, by the right-hand rule. Returns the axis in the frame of R, which the turn keeps.
-Direction turn_about(Rotation& R, const Direction& axis, Angle angle) {
-  const auto [s, c] = fixed::sin_cos(angle);
-  const std::size_t i = base_axis(axis);
-  if (i == 3) {
-    const Direction R_axis = R * axis;
-    turn_about_oblique_axis(R, axis, R_axis, s, c);
-    return R_axis;
-  }
-  const bool opposite = axis.*kComponents[i] < Ratio();
-  turn_about_base_axis(R, i, opposite ? -s : s, c);
-  const Direction R_axis = column(R, kComponents[i]);
-  return opposite ? -R_axis : R_axis;
 }
 
 Angle signed_by(std::int8_t sign, Angle angle) { return sign < 0 ? -angle : angle; }
@@ -276,27 +208,35 @@ class NewtonLeg {
     for (std::size_t j = 0; j < n; ++j) {
       const std::int64_t pivot_raw = remainder_raw(columns_[j], j, j) + kDamping_raw;
       least_raw = std::min(least_raw, pivot_raw);
-      inverse_roots_[j] =
-          fixed::inverse_square_root(static_cast<std::uint64_t>(std::max(pivot_raw, kDamping_raw)));
+      inverse_roots_[j] = inverse_root_raw(std::max(pivot_raw, kDamping_raw));
       for (std::size_t i = j + 1; i < n; ++i) G_[i][j] = divided(remainder_raw(columns_[i], i, j), j);
       G_[n][j] = divided(remainder_raw(error_, n, j), j);
     }
     return least_raw;
   }
 
-  // The inner product with column j, less the parts of the unknowns before j.
-  [[nodiscard]] std::int64_t remainder_raw(const Twist& row, std::size_t i, std::size_t j) const {
-    std::int64_t sum_raw = inner_product_raw(row, columns_[j]);
-    for (std::size_t k = 0; k < j; ++k) sum_raw -= std::int64_t{G_[i][k]} * G_[j][k];
-    return sum_raw;
+  // 1 / sqrt(pivot) in 2^-kRootBits units: the least pivot is lambda^2, so that it fits.
+  static std::int32_t inverse_root_raw(std::int64_t pivot_raw) {
+    const fixed::InverseRoot root = fixed::inverse_square_root(static_cast<std::uint64_t>(pivot_raw));
+    const int shift = root.shift - Ratio::kFractionBits - kRootBits;
+    return static_cast<std::int32_t>(root.mantissa >> shift);
   }
 
-  // Divides by the root of the pivot of an unknown; saturates.
+  // The inner product with column j, less the parts of the unknowns before j.
+  [[nodiscard]] std::int64_t remainder_raw(const Twist& row, std::size_t i, std::size_t j) const {
+    const auto& G_i = G_[i];
+    const auto& G_j = G_[j];
+    std::int64_t less_raw = 0;
+    for (std::size_t k = 0; k < j; ++k) less_raw += std::int64_t{G_i[k]} * G_j[k];
+    return inner_product_raw(row, columns_[j]) - less_raw;
+  }
+
+  // Divides by the root of the pivot of an unknown; saturates. A tie, which rounds up, takes round numbers.
   [[nodiscard]] std::int32_t divided(std::int64_t sum_raw, std::size_t j) const {
-    const auto numerator = fixed::saturate<std::int32_t>(fixed::shift_rounded(sum_raw, Ratio::kFractionBits));
-    const fixed::InverseRoot& root = inverse_roots_[j];
-    return fixed::saturate<std::int32_t>(fixed::shift_rounded(
-        std::int64_t{numerator} * std::int64_t{root.mantissa}, root.shift - Ratio::kFractionBits));
+    constexpr std::int64_t kHalfLsb = std::int64_t{1} << (Ratio::kFractionBits - 1);
+    constexpr std::int64_t kHalf = std::int64_t{1} << (kRootBits - 1);
+    const auto numerator = fixed::saturate<std::int32_t>((sum_raw + kHalfLsb) >> Ratio::kFractionBits);
+    return fixed::saturate<std::int32_t>((std::int64_t{numerator} * inverse_roots_[j] + kHalf) >> kRootBits);
   }
 
   void step() {
@@ -383,7 +323,7 @@ class NewtonLeg {
   Position missing_;
   Direction forward_;  // x axis of the sole
   std::array<std::array<std::int32_t, kLegJoints>, kLegJoints + 1> G_{};
-  std::array<fixed::InverseRoot, kLegJoints> inverse_roots_{};
+  std::array<std::int32_t, kLegJoints> inverse_roots_{};  // in 2^-kRootBits units
   bool must_shorten_ = false;  // the target is nearer to the hip than the sole
   bool stopped_ = false;       // by a limit or the straight knee, in the last step
 };
