@@ -19,7 +19,8 @@ void forward_kinematics(const RobotModel& model, std::span<const fixed::Angle> a
       continue;
     }
     const Pose& X_BParent = X_BLinks[joint.parent.joint()];
-    X_BLink = {X_BParent.R, X_BParent.p + X_BParent.R * joint.anchor};
+    X_BLink = X_BParent;
+    if (joint.anchor != Position()) X_BLink.p = X_BParent.p + X_BParent.R * joint.anchor;
     turn_about(X_BLink.R, joint.axis, angles[i]);
   }
 }

@@ -53,13 +53,14 @@ struct Twist {
   Direction move;
 };
 
+std::int64_t sum_of_products_raw(const Direction& p, const Direction& q) {
+  return std::int64_t{p.x.raw()} * q.x.raw() + std::int64_t{p.y.raw()} * q.y.raw() +
+         std::int64_t{p.z.raw()} * q.z.raw();
+}
+
 // The squares of the two parts of a column are at most 1 each, and those of the error at most 1 and 3/4.
 std::int64_t inner_product_raw(const Twist& a, const Twist& b) {
-  const auto sum = [](const Direction& p, const Direction& q) {
-    return std::int64_t{p.x.raw()} * q.x.raw() + std::int64_t{p.y.raw()} * q.y.raw() +
-           std::int64_t{p.z.raw()} * q.z.raw();
-  };
-  return sum(a.turn, b.turn) + sum(a.move, b.move);
+  return sum_of_products_raw(a.turn, b.turn) + sum_of_products_raw(a.move, b.move);
 }
 
 bool is_within(const Direction& v, Ratio limit) {
@@ -75,8 +76,11 @@ Angle signed_by(std::int8_t sign, Angle angle) { return sign < 0 ? -angle : angl
 class NewtonLeg {
  public:
   NewtonLeg(const RobotModel& model, const LegGeometry& leg, const Pose& X_BSole)
-      : model_(model), leg_(leg), target_(X_BSole) {
-    pull_in();
+      : model_(model),
+        leg_(leg),
+        shift_(Ratio::kFractionBits - Length::kFractionBits - leg.scale),
+        R_target_(X_BSole.R) {
+    pull_in(X_BSole.p);
   }
 
   LegAngles solve(const LegAngles* last, FirstSolution first) {
@@ -126,18 +130,19 @@ class NewtonLeg {
 
   // Moves a target beyond the extent of the leg there, so that every difference stays in range and the leg
   // points at the target.
-  void pull_in() {
+  void pull_in(const Position& p_BSole) {
     constexpr Length kMax = Length::from_raw(1 << 27);  // 8 m, whose squares fit
     const auto within_8_m = [&](Length length) { return std::clamp(length, -kMax, kMax); };
-    const Position& from = model_.joints[leg_.joints[leg_.chain_joints[0]]].anchor;
-    Position r = target_.p - from;
-    if (is_within(r, leg_.extent)) return;
-    r = Position{within_8_m(r.x), within_8_m(r.y), within_8_m(r.z)};
-    const Length distance = fixed::hypotenuse(r.x, r.y, r.z);
-    const auto pulled = [&](Length length) {
-      return fixed::mul_div(length, leg_.extent.raw(), distance.raw());
-    };
-    target_.p = from + Position{pulled(r.x), pulled(r.y), pulled(r.z)};
+    Position r = p_BSole - model_.joints[leg_.joints[leg_.chain_joints[0]]].anchor;
+    if (!is_within(r, leg_.extent)) {
+      r = Position{within_8_m(r.x), within_8_m(r.y), within_8_m(r.z)};
+      const Length distance = fixed::hypotenuse(r.x, r.y, r.z);
+      const auto pulled = [&](Length length) {
+        return fixed::mul_div(length, leg_.extent.raw(), distance.raw());
+      };
+      r = {pulled(r.x), pulled(r.y), pulled(r.z)};
+    }
+    target_ = scaled(r);
   }
 
   // Bends the knee, and hip and ankle by half of that in the other direction each.
@@ -151,53 +156,62 @@ class NewtonLeg {
     }
   }
 
-  // Computes the chain of the present angles, its Jacobian and the error.
+  // Computes the chain of the present angles, its Jacobian and the error. Lengths are in units of the scale.
   void look() {
-    Pose X;
-    std::array<Position, kLegJoints> anchors;
-    for (std::size_t place = 0; place < leg_.joint_count; ++place) {
+    const LegJoint first = leg_.chain_joints[0];
+    Direction p;  // from the first anchor
+    Rotation R = rotation_about(joint(first).axis, result_.angles[first]);
+    columns_[unknown(0)] = {joint(first).axis, p};
+    for (std::size_t place = 1; place < leg_.joint_count; ++place) {
       const LegJoint i = leg_.chain_joints[place];
       const Joint& hinge = joint(i);
-      X.p = X.p + X.R * hinge.anchor;
-      anchors[place] = X.p;
-      columns_[unknown(place)].turn = turn_about(X.R, hinge.axis, result_.angles[i]);
-    }
-    const Direction normal = column(X.R, &Direction::z);
-    X.p = X.p - Position{fixed::product<Length>(leg_.ankle_height, normal.x),
-                         fixed::product<Length>(leg_.ankle_height, normal.y),
-                         fixed::product<Length>(leg_.ankle_height, normal.z)};
-    for (std::size_t place = 0; place < leg_.joint_count; ++place) {
+      if (hinge.anchor != Position()) p = p + R * scaled(hinge.anchor);
       Twist& twist = columns_[unknown(place)];
-      twist.move = cross(twist.turn, scaled(X.p - anchors[place]));
+      twist.move = p;
+      twist.turn = turn_about(R, hinge.axis, result_.angles[i]);
     }
-    const Direction up = scaled(anchors[0] - X.p);
-    forward_ = column(X.R, &Direction::x);
-    missing_ = target_.p - X.p;
-    error_.move = clamped(scaled(missing_));
-    must_shorten_ = dot(up, error_.move) > Ratio();
-    const Direction target_normal = column(target_.R, &Direction::z);
-    error_.turn = cross(normal, target_normal);
+    const Direction normal = column(R, &Direction::z);
+    const Ratio ankle_height = scaled(leg_.ankle_height);
+    p = p - Direction{fixed::product<Ratio>(ankle_height, normal.x),
+                      fixed::product<Ratio>(ankle_height, normal.y),
+                      fixed::product<Ratio>(ankle_height, normal.z)};
+    for (std::size_t i = 0; i < leg_.joint_count; ++i) {
+      Twist& twist = columns_[i];
+      twist.move = cross(twist.turn, p - twist.move);
+    }
+    sole_ = p;
+    forward_ = column(R, &Direction::x);
+    missing_ = target_ - p;
+    error_.move = clamped(missing_);
     if (leg_.can_turn()) {
-      // Half of the sum of x cross x', y cross y' and z cross z' is the axis times the sine of the angle.
-      const Direction x = cross(forward_, column(target_.R, &Direction::x));
-      const Direction y = cross(column(X.R, &Direction::y), column(target_.R, &Direction::y));
-      const auto half = [](Ratio a, Ratio b, Ratio c) { return a / 2 + b / 2 + c / 2; };
-      error_.turn = {half(x.x, y.x, error_.turn.x), half(x.y, y.y, error_.turn.y),
-                     half(x.z, y.z, error_.turn.z)};
-    } else {
-      // A turn about the sole's normal is no error: the columns lose it as well.
-      for (std::size_t i = 0; i < leg_.joint_count; ++i) {
-        Direction& turn = columns_[i].turn;
-        const Ratio along = dot(target_normal, turn);
-        turn = turn - Direction{fixed::product<Ratio>(along, target_normal.x),
-                                fixed::product<Ratio>(along, target_normal.y),
-                                fixed::product<Ratio>(along, target_normal.z)};
-      }
+      error_.turn = half_turn_to_target(R);
+      return;
+    }
+    // A turn about the sole's normal is no error: the columns lose it as well.
+    const Direction target_normal = column(R_target_, &Direction::z);
+    error_.turn = cross(normal, target_normal);
+    for (std::size_t i = 0; i < leg_.joint_count; ++i) {
+      Direction& turn = columns_[i].turn;
+      const Ratio along = dot(target_normal, turn);
+      turn = turn - Direction{fixed::product<Ratio>(along, target_normal.x),
+                              fixed::product<Ratio>(along, target_normal.y),
+                              fixed::product<Ratio>(along, target_normal.z)};
     }
   }
 
+  // Half of the sum of x cross x', y cross y' and z cross z', which is the axis times the sine of the angle.
+  // Its elements are inner products of rows of the two rotations, at most 2^60 each.
+  [[nodiscard]] Direction half_turn_to_target(const Rotation& R) const {
+    const auto element = [&](std::size_t i, std::size_t j) {
+      const std::int64_t twice_raw =
+          sum_of_products_raw(R.rows[i], R_target_.rows[j]) - sum_of_products_raw(R.rows[j], R_target_.rows[i]);
+      return Ratio::from_wide_raw(fixed::shift_rounded(twice_raw, Ratio::kFractionBits + 1));
+    };
+    return {element(1, 2), element(2, 0), element(0, 1)};
+  }
+
   [[nodiscard]] bool is_reached() const {
-    return is_within(missing_, kReachTolerance) && is_within(error_.turn, kTurnTolerance);
+    return is_within(missing_, scaled(kReachTolerance)) && is_within(error_.turn, kTurnTolerance);
   }
 
   // Factorises J^T J + lambda^2 I = G G^T, and in the last row solves G y = J^T e. Returns the least pivot.
@@ -271,8 +285,9 @@ class NewtonLeg {
     const std::int8_t sign = leg_.signs[kKnee];
     const Angle bend = signed_by(sign, result_.angles[kKnee]) + bend_at_zero();
     Ratio more_rad = sign < 0 ? -wanted_rad : wanted_rad;
-    if (bend <= kMinBend && must_shorten_) more_rad = fixed::abs(more_rad);
     if (bend >= kWellBent && fixed::abs(more_rad) <= kSmallBend) return wanted_rad;
+    const bool must_shorten = dot(error_.move, sole_) < Ratio();
+    if (bend <= kMinBend && must_shorten) more_rad = fixed::abs(more_rad);
     const auto [s, c] = fixed::sin_cos(std::max(bend, kMinBend));
     const Ratio cosine = c - fixed::product<Ratio>(s, more_rad);
     const bool too_straight = cosine > kCosineOfMinBend;
@@ -284,17 +299,14 @@ class NewtonLeg {
   [[nodiscard]] Angle bend_at_zero() const { return leg_.shank_tilt - leg_.thigh_tilt; }
 
   void measure_heading() {
-    const Direction wanted = column(target_.R, &Direction::x);
-    const Direction normal = column(target_.R, &Direction::z);
+    const Direction wanted = column(R_target_, &Direction::x);
+    const Direction normal = column(R_target_, &Direction::z);
     result_.missing_heading = fixed::atan2(dot(normal, cross(forward_, wanted)), dot(forward_, wanted));
   }
 
-  [[nodiscard]] Direction scaled(const Position& p) const {
-    constexpr int kShift = Ratio::kFractionBits - Length::kFractionBits;
-    const std::int64_t factor = std::int64_t{1} << (kShift - leg_.scale);
-    const auto ratio = [&](Length length) { return Ratio::from_wide_raw(length.raw() * factor); };
-    return {ratio(p.x), ratio(p.y), ratio(p.z)};
-  }
+  // In units of the scale. No length of the leg exceeds one.
+  [[nodiscard]] Ratio scaled(Length length) const { return Ratio::from_raw(length.raw() * (1 << shift_)); }
+  [[nodiscard]] Direction scaled(const Position& p) const { return {scaled(p.x), scaled(p.y), scaled(p.z)}; }
 
   static Direction clamped(const Direction& v) {
     const auto component = [](Ratio ratio) { return std::clamp(ratio, -kMaxError, kMaxError); };
@@ -316,15 +328,18 @@ class NewtonLeg {
 
   const RobotModel& model_;
   const LegGeometry& leg_;
-  Pose target_;
+  const int shift_;  // from a Length to a Ratio in units of the scale
+  // In axes of the base, from the anchor of the first joint, in units of the scale.
+  Direction target_;
+  Direction sole_;
+  Direction missing_;  // from sole to target
+  Rotation R_target_;
   LegAngles result_;
   std::array<Twist, kLegJoints> columns_{};  // of J, by unknown
   Twist error_;
-  Position missing_;
   Direction forward_;  // x axis of the sole
   std::array<std::array<std::int32_t, kLegJoints>, kLegJoints + 1> G_{};
   std::array<std::int32_t, kLegJoints> inverse_roots_{};  // in 2^-kRootBits units
-  bool must_shorten_ = false;  // the target is nearer to the hip than the sole
   bool stopped_ = false;       // by a limit or the straight knee, in the last step
 };
 
