@@ -53,8 +53,8 @@ void turn_about_base_axis(Rotation& R, std::size_t i, Ratio s, Ratio c) {
 //
 //   cos v + sin v x a + (1 - cos) (v . a) a
 //
-// with a third fewer products than the product with a rotation matrix. |v|, |cos|, |sin a| and |a| are at most
-// 1, (1 - cos) |v . a| at most 2: each sum stays within 2^62.
+// with a third fewer products than the product with a rotation matrix. |v|, |cos|, |sin a| and |a| are at
+// most 1, (1 - cos) |v . a| at most 2: each sum stays within 2^62.
 void turn_about_oblique_axis(Rotation& R, const Direction& axis, const Direction& R_axis, Ratio s, Ratio c) {
   const Direction sa = scaled_by(s, axis);
   const Direction along = scaled_by(fixed::kOne - c, R_axis);
@@ -88,7 +88,8 @@ Rotation rotation_about(const Direction& axis, Angle angle) {
   const Ratio versine = fixed::kOne - c;
   const Direction sa = scaled_by(s, axis);
   const Direction va = scaled_by(versine, axis);
-  return {{Direction{c, -sa.z, sa.y} + scaled_by(va.x, axis), Direction{sa.z, c, -sa.x} + scaled_by(va.y, axis),
+  return {{Direction{c, -sa.z, sa.y} + scaled_by(va.x, axis),
+           Direction{sa.z, c, -sa.x} + scaled_by(va.y, axis),
            Direction{-sa.y, sa.x, c} + scaled_by(va.z, axis)}};
 }
 

@@ -203,8 +203,8 @@ class NewtonLeg {
   // Its elements are inner products of rows of the two rotations, at most 2^60 each.
   [[nodiscard]] Direction half_turn_to_target(const Rotation& R) const {
     const auto element = [&](std::size_t i, std::size_t j) {
-      const std::int64_t twice_raw =
-          sum_of_products_raw(R.rows[i], R_target_.rows[j]) - sum_of_products_raw(R.rows[j], R_target_.rows[i]);
+      const std::int64_t twice_raw = sum_of_products_raw(R.rows[i], R_target_.rows[j]) -
+                                     sum_of_products_raw(R.rows[j], R_target_.rows[i]);
       return Ratio::from_wide_raw(fixed::shift_rounded(twice_raw, Ratio::kFractionBits + 1));
     };
     return {element(1, 2), element(2, 0), element(0, 1)};
@@ -340,7 +340,7 @@ class NewtonLeg {
   Direction forward_;  // x axis of the sole
   std::array<std::array<std::int32_t, kLegJoints>, kLegJoints + 1> G_{};
   std::array<std::int32_t, kLegJoints> inverse_roots_{};  // in 2^-kRootBits units
-  bool stopped_ = false;       // by a limit or the straight knee, in the last step
+  bool stopped_ = false;                                  // by a limit or the straight knee, in the last step
 };
 
 }  // namespace

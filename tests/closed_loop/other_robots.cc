@@ -166,7 +166,8 @@ std::string without_hip_yaw(std::string robot) {
     const std::string begin = "<pose relative_to=\"trunk\">";
     const auto pose = link.find(begin) + begin.size();
     const std::string place = link.substr(pose, link.find("</pose>", pose) - pose);
-    replace(robot, "<pose relative_to=\"" + side + "_hip_yaw_link\">0 0 0 0 0 0</pose>", begin + place + "</pose>");
+    replace(robot, "<pose relative_to=\"" + side + "_hip_yaw_link\">0 0 0 0 0 0</pose>",
+            begin + place + "</pose>");
     replace(robot, "<parent>" + side + "_hip_yaw_link</parent>", "<parent>trunk</parent>");
   }
   return robot;
