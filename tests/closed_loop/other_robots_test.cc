@@ -179,7 +179,7 @@ commands:
 )");
   RobotRun run(simulation::read_scenario(file));
   EXPECT_EQ(run.robot().joints.size(), 18u);
-  const auto place_m = [&] { return run.board().world().body(0).X_WL.translation(); };
+  const auto place_m = [&]() -> Eigen::Vector3d { return run.board().world().body(0).X_WL.translation(); };
   run.run_until_us(4'000'000);
   EXPECT_EQ(run.behaviour().state, State::kStanding);
   const double standing_m = place_m().z();
