@@ -112,21 +112,14 @@ std::string sdo_text(const hal::CanFrame& frame, bool request, const Object& obj
 }
 
 // Returns the drive whose second SDO channel (0x1201) has this identifier, or 0.
-int second_channel_of(std::uint16_t identifier, std::uint16_t base) {
-  const int node = identifier - base;
-  return node > 0 && node <= canopen::kMaxNodeId && sim_board::has_pc_sdo(static_cast<std::uint8_t>(node))
-             ? node
-             : 0;
-}
-
 int second_channel_of(std::uint16_t identifier) {
-  const int node = second_channel_of(identifier, sim_board::kPcSdoRequestBase);
-  return node != 0 ? node : second_channel_of(identifier, sim_board::kPcSdoResponseBase);
+  const int node = sim_board::node_of_pc_sdo_request(identifier);
+  return node != 0 ? node : sim_board::node_of_pc_sdo_response(identifier);
 }
 
 bool is_request(std::uint16_t identifier) {
   return (identifier & canopen::kFunctionCodeMask) == canopen::kSdoRequestBase ||
-         second_channel_of(identifier, sim_board::kPcSdoRequestBase) != 0;
+         sim_board::node_of_pc_sdo_request(identifier) != 0;
 }
 
 std::string emergency_text(const hal::CanFrame& frame) {

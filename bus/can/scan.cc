@@ -105,8 +105,7 @@ class Scanner {
           result_.unconfigured ||
           (frame.size == 8 &&
            frame.data[0] == static_cast<std::uint8_t>(canopen::LssCommand::kIdentifiedUnconfigured));
-    if (const int node = frame.identifier - sim_board::kPcSdoResponseBase;
-        node > 0 && node <= canopen::kMaxNodeId && sim_board::has_pc_sdo(static_cast<std::uint8_t>(node)))
+    if (const int node = sim_board::node_of_pc_sdo_response(frame.identifier); node != 0)
       return take_answer(static_cast<std::uint8_t>(node), frame, true);
     const auto node = static_cast<std::uint8_t>(frame.identifier & canopen::kMaxNodeId);
     if (node == 0) return;

@@ -82,7 +82,7 @@ bool answers_second_sdo(sim_board::Transport& transport, std::uint8_t node_id) {
     const auto deadline = Clock::now() + std::chrono::microseconds(kSecondSdoTimeout_us);
     for (;;) {
       const auto frame = transport.receive();
-      if (frame && frame->identifier == sim_board::kPcSdoResponseBase + node_id && frame->size == 8 &&
+      if (frame && frame->identifier == sim_board::pc_sdo_response(node_id) && frame->size == 8 &&
           !frame->remote)
         return true;
       if (is_over(deadline, frame.has_value())) break;
@@ -111,14 +111,15 @@ SdoTransfer::SdoTransfer(sim_board::Transport& transport, std::uint8_t node_id)
 SdoTransfer second_sdo(sim_board::Transport& transport, std::uint8_t node_id) {
   if (!sim_board::has_pc_sdo(node_id))
     throw std::invalid_argument(
-        fmt::format("found node {}, expected a drive, 16 to 35: only they have a second channel", node_id));
-  return {transport, static_cast<std::uint16_t>(sim_board::kPcSdoRequestBase + node_id),
-          static_cast<std::uint16_t>(sim_board::kPcSdoResponseBase + node_id)};
+        fmt::format("found node {}, which has no second SDO channel, expected a drive, {}; or use the first "
+                    "channel, --first, while no controller uses it",
+                    node_id, sim_board::kPcSdoNodesText));
+  return {transport, sim_board::pc_sdo_request(node_id), sim_board::pc_sdo_response(node_id)};
 }
 
 hal::CanFrame device_type_request(std::uint8_t node_id, bool on_second) {
-  const int base = on_second ? sim_board::kPcSdoRequestBase : canopen::kSdoRequestBase;
-  return {.identifier = static_cast<std::uint16_t>(base + node_id),
+  return {.identifier = on_second ? sim_board::pc_sdo_request(node_id)
+                                  : static_cast<std::uint16_t>(canopen::kSdoRequestBase + node_id),
           .size = 8,
           .data = sdo::message(sdo::kInitiateUploadRequest, kDeviceType, 0)};
 }

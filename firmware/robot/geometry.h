@@ -66,6 +66,11 @@ template <fixed::AnyQuantity Q>
   return {dot(R.rows[0], v), dot(R.rows[1], v), dot(R.rows[2], v)};
 }
 
+// Returns an axis of the turned frame: column(R_AB, &Direction::z) is the z axis of B in A.
+[[nodiscard]] constexpr Direction column(const Rotation& R, fixed::Ratio Direction::*axis) {
+  return {R.rows[0].*axis, R.rows[1].*axis, R.rows[2].*axis};
+}
+
 [[nodiscard]] constexpr Rotation transpose(const Rotation& R) {
   const auto& [a, b, c] = R.rows;
   return {{Direction{a.x, b.x, c.x}, Direction{a.y, b.y, c.y}, Direction{a.z, b.z, c.z}}};
@@ -77,5 +82,10 @@ template <fixed::AnyQuantity Q>
 // Returns the rotation by `angle` about the unit vector `axis`, by the right-hand rule (Rodrigues' formula):
 // cos I + sin [a]x + (1 - cos) a a^T.
 [[nodiscard]] Rotation rotation_about(const Direction& axis, fixed::Angle angle);
+
+// Turns the frame of R about its own axis: R becomes R rotation_about(axis, angle). Returns the axis in the
+// outer frame, which the turn keeps. About an axis of the base the result is that product bit for bit, with
+// a third of its products; about any other, it is that product with fewer roundings.
+Direction turn_about(Rotation& R, const Direction& axis, fixed::Angle angle);
 
 }  // namespace koboshi::robot

@@ -13,8 +13,15 @@ void forward_kinematics(const RobotModel& model, std::span<const fixed::Angle> a
   for (std::size_t step = 0; step < model.joint_count; ++step) {
     const JointIndex i = model.order[step];
     const Joint& joint = model.joints[i];
-    const Pose X_ParentLink{rotation_about(joint.axis, angles[i]), joint.anchor};
-    X_BLinks[i] = joint.parent.is_trunk() ? X_ParentLink : X_BLinks[joint.parent.joint()] * X_ParentLink;
+    Pose& X_BLink = X_BLinks[i];
+    if (joint.parent.is_trunk()) {
+      X_BLink = {rotation_about(joint.axis, angles[i]), joint.anchor};
+      continue;
+    }
+    const Pose& X_BParent = X_BLinks[joint.parent.joint()];
+    X_BLink = X_BParent;
+    if (joint.anchor != Position()) X_BLink.p = X_BParent.p + X_BParent.R * joint.anchor;
+    turn_about(X_BLink.R, joint.axis, angles[i]);
   }
 }
 

@@ -20,6 +20,8 @@ using namespace fixed::literals;
 // lambda^2, in squares of Ratio's LSB: 2^-20. By hand, 2026-11-26: a hundred times the rounding of the
 // factorisation, and an eighth of the square of the smallest singular value at kMinBend.
 constexpr std::int64_t kDamping_raw = std::int64_t{1} << 40;
+// Fraction bits of the inverse roots of the pivots, 0.7 to 1 / lambda = 2^10: to 2^-20 of the root itself.
+constexpr int kRootBits = 20;
 // Least pivot of a leg that moves its sole in all directions, 2^-13: a singular value of 0.011. By hand,
 // 2026-11-26: the default robot has 0.006 = 50 times as much.
 constexpr std::int64_t kMinPivot_raw = std::int64_t{1} << 47;
@@ -51,13 +53,14 @@ struct Twist {
   Direction move;
 };
 
+std::int64_t sum_of_products_raw(const Direction& p, const Direction& q) {
+  return std::int64_t{p.x.raw()} * q.x.raw() + std::int64_t{p.y.raw()} * q.y.raw() +
+         std::int64_t{p.z.raw()} * q.z.raw();
+}
+
 // The squares of the two parts of a column are at most 1 each, and those of the error at most 1 and 3/4.
 std::int64_t inner_product_raw(const Twist& a, const Twist& b) {
-  const auto sum = [](const Direction& p, const Direction& q) {
-    return std::int64_t{p.x.raw()} * q.x.raw() + std::int64_t{p.y.raw()} * q.y.raw() +
-           std::int64_t{p.z.raw()} * q.z.raw();
-  };
-  return sum(a.turn, b.turn) + sum(a.move, b.move);
+  return sum_of_products_raw(a.turn, b.turn) + sum_of_products_raw(a.move, b.move);
 }
 
 bool is_within(const Direction& v, Ratio limit) {
@@ -68,83 +71,16 @@ bool is_within(const Position& p, Length limit) {
   return fixed::abs(p.x) <= limit && fixed::abs(p.y) <= limit && fixed::abs(p.z) <= limit;
 }
 
-Direction column(const Rotation& R, Ratio Direction::*axis) {
-  return {R.rows[0].*axis, R.rows[1].*axis, R.rows[2].*axis};
-}
-
-using Component = Ratio Direction::*;
-constexpr std::array<Component, 3> kComponents{&Direction::x, &Direction::y, &Direction::z};
-
-// Returns which axis of the base an axis lies along; 3 for an oblique one.
-std::size_t base_axis(const Direction& axis) {
-  std::size_t i = 0;
-  while (i < 3 && (axis.*kComponents[(i + 1) % 3] != Ratio() || axis.*kComponents[(i + 2) % 3] != Ratio()))
-    ++i;
-  return i;
-}
-
-// Turns R by the angle with this sine and cosine about axis i of the base: two columns mix and one stays.
-void turn_about_base_axis(Rotation& R, std::size_t i, Ratio s, Ratio c) {
-  const Component first = kComponents[(i + 1) % 3];
-  const Component second = kComponents[(i + 2) % 3];
-  for (Direction& row : R.rows) {
-    const Ratio before = row.*first;
-    row.*first = fixed::product_sum<Ratio>(before, c, row.*second, s);
-    row.*second = fixed::product_sum<Ratio>(row.*second, c, -before, s);
-  }
-}
-
-Direction scaled_by(Ratio factor, const Direction& v) {
-  return {fixed::product<Ratio>(factor, v.x), fixed::product<Ratio>(factor, v.y),
-          fixed::product<Ratio>(factor, v.z)};
-}
-
-// Turns R about an oblique axis a, given R a. By Rodrigues' formula the row v becomes
-//
-//   cos v + sin v x a + (1 - cos) (v . a) a
-//
-// with a third fewer products than the product with a rotation matrix.
-void turn_about_oblique_axis(Rotation& R, const Direction& axis, const Direction& R_axis, Ratio s, Ratio c) {
-  const Direction sa = scaled_by(s, axis);
-  const Direction along = scaled_by(fixed::kOne - c, R_axis);
-  for (std::size_t row = 0; row < 3; ++row) {
-    const Direction v = R.rows[row];
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Component first = kComponents[(i + 1) % 3];
-      const Component second = kComponents[(i + 2) % 3];
-      // |v|, |c|, |sa| and |axis| are at most 1, |along| at most 2: the sum stays within 2^62.
-      const std::int64_t sum_raw =
-          std::int64_t{(v.*kComponents[i]).raw()} * c.raw() +
-          std::int64_t{(v.*first).raw()} * (sa.*second).raw() -
-          std::int64_t{(v.*second).raw()} * (sa.*first).raw() +
-          std::int64_t{(along.*kComponents[row]).raw()} * (axis.*kComponents[i]).raw();
-      R.rows[row].*kComponents[i] = Ratio::from_wide_raw(fixed::shift_rounded(sum_raw, Ratio::kFractionBits));
-    }
-  }
-}
-
-// Turns R about an axis, by the right-hand rule. Returns the axis in the frame of R, which the turn keeps.
-Direction turn_about(Rotation& R, const Direction& axis, Angle angle) {
-  const auto [s, c] = fixed::sin_cos(angle);
-  const std::size_t i = base_axis(axis);
-  if (i == 3) {
-    const Direction R_axis = R * axis;
-    turn_about_oblique_axis(R, axis, R_axis, s, c);
-    return R_axis;
-  }
-  const bool opposite = axis.*kComponents[i] < Ratio();
-  turn_about_base_axis(R, i, opposite ? -s : s, c);
-  const Direction R_axis = column(R, kComponents[i]);
-  return opposite ? -R_axis : R_axis;
-}
-
 Angle signed_by(std::int8_t sign, Angle angle) { return sign < 0 ? -angle : angle; }
 
 class NewtonLeg {
  public:
   NewtonLeg(const RobotModel& model, const LegGeometry& leg, const Pose& X_BSole)
-      : model_(model), leg_(leg), target_(X_BSole) {
-    pull_in();
+      : model_(model),
+        leg_(leg),
+        shift_(Ratio::kFractionBits - Length::kFractionBits - leg.scale),
+        R_target_(X_BSole.R) {
+    pull_in(X_BSole.p);
   }
 
   LegAngles solve(const LegAngles* last, FirstSolution first) {
@@ -194,18 +130,19 @@ class NewtonLeg {
 
   // Moves a target beyond the extent of the leg there, so that every difference stays in range and the leg
   // points at the target.
-  void pull_in() {
+  void pull_in(const Position& p_BSole) {
     constexpr Length kMax = Length::from_raw(1 << 27);  // 8 m, whose squares fit
     const auto within_8_m = [&](Length length) { return std::clamp(length, -kMax, kMax); };
-    const Position& from = model_.joints[leg_.joints[leg_.chain_joints[0]]].anchor;
-    Position r = target_.p - from;
-    if (is_within(r, leg_.extent)) return;
-    r = Position{within_8_m(r.x), within_8_m(r.y), within_8_m(r.z)};
-    const Length distance = fixed::hypotenuse(r.x, r.y, r.z);
-    const auto pulled = [&](Length length) {
-      return fixed::mul_div(length, leg_.extent.raw(), distance.raw());
-    };
-    target_.p = from + Position{pulled(r.x), pulled(r.y), pulled(r.z)};
+    Position r = p_BSole - model_.joints[leg_.joints[leg_.chain_joints[0]]].anchor;
+    if (!is_within(r, leg_.extent)) {
+      r = Position{within_8_m(r.x), within_8_m(r.y), within_8_m(r.z)};
+      const Length distance = fixed::hypotenuse(r.x, r.y, r.z);
+      const auto pulled = [&](Length length) {
+        return fixed::mul_div(length, leg_.extent.raw(), distance.raw());
+      };
+      r = {pulled(r.x), pulled(r.y), pulled(r.z)};
+    }
+    target_ = scaled(r);
   }
 
   // Bends the knee, and hip and ankle by half of that in the other direction each.
@@ -219,53 +156,62 @@ class NewtonLeg {
     }
   }
 
-  // Computes the chain of the present angles, its Jacobian and the error.
+  // Computes the chain of the present angles, its Jacobian and the error. Lengths are in units of the scale.
   void look() {
-    Pose X;
-    std::array<Position, kLegJoints> anchors;
-    for (std::size_t place = 0; place < leg_.joint_count; ++place) {
+    const LegJoint first = leg_.chain_joints[0];
+    Direction p;  // from the first anchor
+    Rotation R = rotation_about(joint(first).axis, result_.angles[first]);
+    columns_[unknown(0)] = {joint(first).axis, p};
+    for (std::size_t place = 1; place < leg_.joint_count; ++place) {
       const LegJoint i = leg_.chain_joints[place];
       const Joint& hinge = joint(i);
-      X.p = X.p + X.R * hinge.anchor;
-      anchors[place] = X.p;
-      columns_[unknown(place)].turn = turn_about(X.R, hinge.axis, result_.angles[i]);
-    }
-    const Direction normal = column(X.R, &Direction::z);
-    X.p = X.p - Position{fixed::product<Length>(leg_.ankle_height, normal.x),
-                         fixed::product<Length>(leg_.ankle_height, normal.y),
-                         fixed::product<Length>(leg_.ankle_height, normal.z)};
-    for (std::size_t place = 0; place < leg_.joint_count; ++place) {
+      if (hinge.anchor != Position()) p = p + R * scaled(hinge.anchor);
       Twist& twist = columns_[unknown(place)];
-      twist.move = cross(twist.turn, scaled(X.p - anchors[place]));
+      twist.move = p;
+      twist.turn = turn_about(R, hinge.axis, result_.angles[i]);
     }
-    const Direction up = scaled(anchors[0] - X.p);
-    forward_ = column(X.R, &Direction::x);
-    missing_ = target_.p - X.p;
-    error_.move = clamped(scaled(missing_));
-    must_shorten_ = dot(up, error_.move) > Ratio();
-    const Direction target_normal = column(target_.R, &Direction::z);
-    error_.turn = cross(normal, target_normal);
+    const Direction normal = column(R, &Direction::z);
+    const Ratio ankle_height = scaled(leg_.ankle_height);
+    p = p - Direction{fixed::product<Ratio>(ankle_height, normal.x),
+                      fixed::product<Ratio>(ankle_height, normal.y),
+                      fixed::product<Ratio>(ankle_height, normal.z)};
+    for (std::size_t i = 0; i < leg_.joint_count; ++i) {
+      Twist& twist = columns_[i];
+      twist.move = cross(twist.turn, p - twist.move);
+    }
+    sole_ = p;
+    forward_ = column(R, &Direction::x);
+    missing_ = target_ - p;
+    error_.move = clamped(missing_);
     if (leg_.can_turn()) {
-      // Half of the sum of x cross x', y cross y' and z cross z' is the axis times the sine of the angle.
-      const Direction x = cross(forward_, column(target_.R, &Direction::x));
-      const Direction y = cross(column(X.R, &Direction::y), column(target_.R, &Direction::y));
-      const auto half = [](Ratio a, Ratio b, Ratio c) { return a / 2 + b / 2 + c / 2; };
-      error_.turn = {half(x.x, y.x, error_.turn.x), half(x.y, y.y, error_.turn.y),
-                     half(x.z, y.z, error_.turn.z)};
-    } else {
-      // A turn about the sole's normal is no error: the columns lose it as well.
-      for (std::size_t i = 0; i < leg_.joint_count; ++i) {
-        Direction& turn = columns_[i].turn;
-        const Ratio along = dot(target_normal, turn);
-        turn = turn - Direction{fixed::product<Ratio>(along, target_normal.x),
-                                fixed::product<Ratio>(along, target_normal.y),
-                                fixed::product<Ratio>(along, target_normal.z)};
-      }
+      error_.turn = half_turn_to_target(R);
+      return;
+    }
+    // A turn about the sole's normal is no error: the columns lose it as well.
+    const Direction target_normal = column(R_target_, &Direction::z);
+    error_.turn = cross(normal, target_normal);
+    for (std::size_t i = 0; i < leg_.joint_count; ++i) {
+      Direction& turn = columns_[i].turn;
+      const Ratio along = dot(target_normal, turn);
+      turn = turn - Direction{fixed::product<Ratio>(along, target_normal.x),
+                              fixed::product<Ratio>(along, target_normal.y),
+                              fixed::product<Ratio>(along, target_normal.z)};
     }
   }
 
+  // Half of the sum of x cross x', y cross y' and z cross z', which is the axis times the sine of the angle.
+  // Its elements are inner products of rows of the two rotations, at most 2^60 each.
+  [[nodiscard]] Direction half_turn_to_target(const Rotation& R) const {
+    const auto element = [&](std::size_t i, std::size_t j) {
+      const std::int64_t twice_raw = sum_of_products_raw(R.rows[i], R_target_.rows[j]) -
+                                     sum_of_products_raw(R.rows[j], R_target_.rows[i]);
+      return Ratio::from_wide_raw(fixed::shift_rounded(twice_raw, Ratio::kFractionBits + 1));
+    };
+    return {element(1, 2), element(2, 0), element(0, 1)};
+  }
+
   [[nodiscard]] bool is_reached() const {
-    return is_within(missing_, kReachTolerance) && is_within(error_.turn, kTurnTolerance);
+    return is_within(missing_, scaled(kReachTolerance)) && is_within(error_.turn, kTurnTolerance);
   }
 
   // Factorises J^T J + lambda^2 I = G G^T, and in the last row solves G y = J^T e. Returns the least pivot.
@@ -276,27 +222,35 @@ class NewtonLeg {
     for (std::size_t j = 0; j < n; ++j) {
       const std::int64_t pivot_raw = remainder_raw(columns_[j], j, j) + kDamping_raw;
       least_raw = std::min(least_raw, pivot_raw);
-      inverse_roots_[j] =
-          fixed::inverse_square_root(static_cast<std::uint64_t>(std::max(pivot_raw, kDamping_raw)));
+      inverse_roots_[j] = inverse_root_raw(std::max(pivot_raw, kDamping_raw));
       for (std::size_t i = j + 1; i < n; ++i) G_[i][j] = divided(remainder_raw(columns_[i], i, j), j);
       G_[n][j] = divided(remainder_raw(error_, n, j), j);
     }
     return least_raw;
   }
 
-  // The inner product with column j, less the parts of the unknowns before j.
-  [[nodiscard]] std::int64_t remainder_raw(const Twist& row, std::size_t i, std::size_t j) const {
-    std::int64_t sum_raw = inner_product_raw(row, columns_[j]);
-    for (std::size_t k = 0; k < j; ++k) sum_raw -= std::int64_t{G_[i][k]} * G_[j][k];
-    return sum_raw;
+  // 1 / sqrt(pivot) in 2^-kRootBits units: the least pivot is lambda^2, so that it fits.
+  static std::int32_t inverse_root_raw(std::int64_t pivot_raw) {
+    const fixed::InverseRoot root = fixed::inverse_square_root(static_cast<std::uint64_t>(pivot_raw));
+    const int shift = root.shift - Ratio::kFractionBits - kRootBits;
+    return static_cast<std::int32_t>(root.mantissa >> shift);
   }
 
-  // Divides by the root of the pivot of an unknown; saturates.
+  // The inner product with column j, less the parts of the unknowns before j.
+  [[nodiscard]] std::int64_t remainder_raw(const Twist& row, std::size_t i, std::size_t j) const {
+    const auto& G_i = G_[i];
+    const auto& G_j = G_[j];
+    std::int64_t less_raw = 0;
+    for (std::size_t k = 0; k < j; ++k) less_raw += std::int64_t{G_i[k]} * G_j[k];
+    return inner_product_raw(row, columns_[j]) - less_raw;
+  }
+
+  // Divides by the root of the pivot of an unknown; saturates. A tie, which rounds up, takes round numbers.
   [[nodiscard]] std::int32_t divided(std::int64_t sum_raw, std::size_t j) const {
-    const auto numerator = fixed::saturate<std::int32_t>(fixed::shift_rounded(sum_raw, Ratio::kFractionBits));
-    const fixed::InverseRoot& root = inverse_roots_[j];
-    return fixed::saturate<std::int32_t>(fixed::shift_rounded(
-        std::int64_t{numerator} * std::int64_t{root.mantissa}, root.shift - Ratio::kFractionBits));
+    constexpr std::int64_t kHalfLsb = std::int64_t{1} << (Ratio::kFractionBits - 1);
+    constexpr std::int64_t kHalf = std::int64_t{1} << (kRootBits - 1);
+    const auto numerator = fixed::saturate<std::int32_t>((sum_raw + kHalfLsb) >> Ratio::kFractionBits);
+    return fixed::saturate<std::int32_t>((std::int64_t{numerator} * inverse_roots_[j] + kHalf) >> kRootBits);
   }
 
   void step() {
@@ -331,8 +285,9 @@ class NewtonLeg {
     const std::int8_t sign = leg_.signs[kKnee];
     const Angle bend = signed_by(sign, result_.angles[kKnee]) + bend_at_zero();
     Ratio more_rad = sign < 0 ? -wanted_rad : wanted_rad;
-    if (bend <= kMinBend && must_shorten_) more_rad = fixed::abs(more_rad);
     if (bend >= kWellBent && fixed::abs(more_rad) <= kSmallBend) return wanted_rad;
+    const bool must_shorten = dot(error_.move, sole_) < Ratio();
+    if (bend <= kMinBend && must_shorten) more_rad = fixed::abs(more_rad);
     const auto [s, c] = fixed::sin_cos(std::max(bend, kMinBend));
     const Ratio cosine = c - fixed::product<Ratio>(s, more_rad);
     const bool too_straight = cosine > kCosineOfMinBend;
@@ -344,17 +299,14 @@ class NewtonLeg {
   [[nodiscard]] Angle bend_at_zero() const { return leg_.shank_tilt - leg_.thigh_tilt; }
 
   void measure_heading() {
-    const Direction wanted = column(target_.R, &Direction::x);
-    const Direction normal = column(target_.R, &Direction::z);
+    const Direction wanted = column(R_target_, &Direction::x);
+    const Direction normal = column(R_target_, &Direction::z);
     result_.missing_heading = fixed::atan2(dot(normal, cross(forward_, wanted)), dot(forward_, wanted));
   }
 
-  [[nodiscard]] Direction scaled(const Position& p) const {
-    constexpr int kShift = Ratio::kFractionBits - Length::kFractionBits;
-    const std::int64_t factor = std::int64_t{1} << (kShift - leg_.scale);
-    const auto ratio = [&](Length length) { return Ratio::from_wide_raw(length.raw() * factor); };
-    return {ratio(p.x), ratio(p.y), ratio(p.z)};
-  }
+  // In units of the scale. No length of the leg exceeds one.
+  [[nodiscard]] Ratio scaled(Length length) const { return Ratio::from_raw(length.raw() * (1 << shift_)); }
+  [[nodiscard]] Direction scaled(const Position& p) const { return {scaled(p.x), scaled(p.y), scaled(p.z)}; }
 
   static Direction clamped(const Direction& v) {
     const auto component = [](Ratio ratio) { return std::clamp(ratio, -kMaxError, kMaxError); };
@@ -376,16 +328,19 @@ class NewtonLeg {
 
   const RobotModel& model_;
   const LegGeometry& leg_;
-  Pose target_;
+  const int shift_;  // from a Length to a Ratio in units of the scale
+  // In axes of the base, from the anchor of the first joint, in units of the scale.
+  Direction target_;
+  Direction sole_;
+  Direction missing_;  // from sole to target
+  Rotation R_target_;
   LegAngles result_;
   std::array<Twist, kLegJoints> columns_{};  // of J, by unknown
   Twist error_;
-  Position missing_;
   Direction forward_;  // x axis of the sole
   std::array<std::array<std::int32_t, kLegJoints>, kLegJoints + 1> G_{};
-  std::array<fixed::InverseRoot, kLegJoints> inverse_roots_{};
-  bool must_shorten_ = false;  // the target is nearer to the hip than the sole
-  bool stopped_ = false;       // by a limit or the straight knee, in the last step
+  std::array<std::int32_t, kLegJoints> inverse_roots_{};  // in 2^-kRootBits units
+  bool stopped_ = false;                                  // by a limit or the straight knee, in the last step
 };
 
 }  // namespace

@@ -40,10 +40,12 @@ constexpr canopen::PdoConfiguration kTpdos[] = {
 
 }  // namespace
 
-// Without a node id the description is that of the kind.
+// Without a node id the description is that of the kind, whose robots begin at the first range.
 canopen::SdoChannel pc_channel(std::uint8_t node_id) {
-  if (node_id != 0 && !has_pc_sdo(node_id)) return {};
-  return {.request_cob_id = kPcSdoRequestBase, .response_cob_id = kPcSdoResponseBase, .plus_node_id = true};
+  const PcSdoRange* const range = node_id == 0 ? kPcSdoRanges.data() : pc_sdo_range(node_id);
+  if (range == nullptr) return {};
+  return {
+      .request_cob_id = range->request_base, .response_cob_id = range->response_base, .plus_node_id = true};
 }
 
 canopen::NodeDescription drive_node_description(const DriveDescription& drive) {

@@ -85,7 +85,7 @@ inline constexpr std::uint16_t kTimeOfDay = 0x2003;
 // After a reset, of drives and sensors.
 inline constexpr std::uint16_t kNodeHeartbeat_ms = 1000;
 
-// The second SDO channel of a drive with this node id: none where it would meet another one's.
+// The second SDO channel of a drive with this node id (pc_sdo.h): none outside of its ranges.
 canopen::SdoChannel pc_channel(std::uint8_t node_id);
 
 // Describes a drive's node. Drives differ in their identity only, which stands in the robot file.

@@ -34,6 +34,7 @@ constexpr double kDown_rad =
 // ankle.
 constexpr double kComTolerance_m = 5e-3;
 constexpr double kSoleTolerance_m = 0.5e-3;
+constexpr double kSoleTilt = 4e-3;  // rad, 0.5 mm over a step of 125 mm
 
 constexpr std::uint16_t kSupply = 0x2100;
 constexpr std::uint16_t kSteps = 0x2130;
@@ -152,10 +153,22 @@ class RobotParameterCheck {
     if (!reaches(com_m, 0.0, width_m)) {
       throw error(kComHeight, reachable_heights(width_m) + ", which the legs reach", "the reach of the legs");
     }
-    if (!reaches(com_m, metres(values_.walk.step.max_forward), width_m))
-      throw error(kMaxStepLength, "a step that the legs reach at this CoM height", "the reach of the legs");
-    if (!reaches(com_m, 0.0, metres(values_.walk.step.max_lateral)))
-      throw error(kWidestStep, "a step that the legs reach at this CoM height", "the reach of the legs");
+    check_step(kMaxStepLength, values_.walk.step.max_forward,
+               [&](double step_m) { return reaches(com_m, step_m, width_m); });
+    check_step(kWidestStep, values_.walk.step.max_lateral,
+               [&](double step_m) { return reaches(com_m, 0.0, step_m); });
+  }
+
+  // Checks that the legs reach a step of this length, in counts.
+  template <typename Reaches>
+  void check_step(const ObjectAddress& address, std::int16_t step, const Reaches& reaches_step) const {
+    if (reaches_step(metres(step))) return;
+    int step_mm = static_cast<int>(1e3 * metres(step));
+    while (step_mm > 0 && !reaches_step(1e-3 * step_mm)) --step_mm;
+    throw error(address,
+                fmt::format("a step that the legs reach at this CoM height, at most {} mm, or a lower {}",
+                            step_mm, key_of(kComHeight)),
+                "the reach of the legs");
   }
 
   std::string reachable_heights(double width_m) const {
@@ -179,10 +192,15 @@ class RobotParameterCheck {
     walk::Body body = body_;  // without a solution from which it would begin
     body.solve(stance, {}, angles);
     const estimation::Posture posture = estimation::posture_at(model_, {angles.data(), model_.joint_count});
-    const robot::Pose& left = posture.X_BSole[hal::Side::kLeft];
-    const robot::Position right = robot::transpose(left.R) * (posture.X_BSole[hal::Side::kRight].p - left.p);
+    // In axes of the stance, not of a sole: a foot without hip yaw keeps the heading that the leg leaves it.
+    const robot::Rotation R_StanceB = robot::rotation_about(robot::kAxisY, stance.pitch);
+    const robot::Position right = R_StanceB * (posture.X_BSole[1].p - posture.X_BSole[0].p);
     const double com_error_m = to_double(posture.centre_of_mass(hal::Side::kLeft).z) - com_m;
-    return std::abs(com_error_m) < kComTolerance_m &&
+    const auto is_level = [&](const robot::Pose& X_BSole) {
+      const robot::Direction up = R_StanceB * column(X_BSole.R, &robot::Direction::z);
+      return std::hypot(to_double(up.x), to_double(up.y)) < kSoleTilt;
+    };
+    return std::abs(com_error_m) < kComTolerance_m && std::ranges::all_of(posture.X_BSole, is_level) &&
            std::hypot(to_double(right.x) + step_m, to_double(right.y) + width_m, to_double(right.z)) <
                kSoleTolerance_m;
   }

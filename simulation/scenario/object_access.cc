@@ -13,13 +13,13 @@ using canopen::AbortCode;
 namespace sdo = canopen::sdo;
 
 std::uint16_t request_identifier(std::uint8_t node_id) {
-  return static_cast<std::uint16_t>(
-      (sim_board::has_pc_sdo(node_id) ? sim_board::kPcSdoRequestBase : canopen::kSdoRequestBase) + node_id);
+  return sim_board::has_pc_sdo(node_id) ? sim_board::pc_sdo_request(node_id)
+                                        : static_cast<std::uint16_t>(canopen::kSdoRequestBase + node_id);
 }
 
 std::uint16_t response_identifier(std::uint8_t node_id) {
-  return static_cast<std::uint16_t>(
-      (sim_board::has_pc_sdo(node_id) ? sim_board::kPcSdoResponseBase : canopen::kSdoResponseBase) + node_id);
+  return sim_board::has_pc_sdo(node_id) ? sim_board::pc_sdo_response(node_id)
+                                        : static_cast<std::uint16_t>(canopen::kSdoResponseBase + node_id);
 }
 
 }  // namespace

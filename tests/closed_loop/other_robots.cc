@@ -159,6 +159,20 @@ std::string with_longer_arms(std::string robot) {
   return robot;
 }
 
+std::string without_hip_yaw(std::string robot) {
+  for (const std::string side : kSides) {
+    cut(robot, "<joint name=\"" + side + "_hip_yaw\"", "</joint>");
+    const std::string link = cut(robot, "<link name=\"" + side + "_hip_yaw_link\"", "</link>");
+    const std::string begin = "<pose relative_to=\"trunk\">";
+    const auto pose = link.find(begin) + begin.size();
+    const std::string place = link.substr(pose, link.find("</pose>", pose) - pose);
+    replace(robot, "<pose relative_to=\"" + side + "_hip_yaw_link\">0 0 0 0 0 0</pose>",
+            begin + place + "</pose>");
+    replace(robot, "<parent>" + side + "_hip_yaw_link</parent>", "<parent>trunk</parent>");
+  }
+  return robot;
+}
+
 std::string four_joints() {
   std::string robot = default_robot();
   const std::string imu = cut(robot, "<sensor name=\"imu\"", "</sensor>");
@@ -216,6 +230,11 @@ void write_robot(const std::filesystem::path& folder, const std::string& robot, 
   }
   std::ofstream(folder / "parameters.yaml") << parameters;
   std::ofstream(folder / "motions/stand.yaml") << stand;
+}
+
+void copy_motion(const std::filesystem::path& folder, const std::string& name) {
+  const std::filesystem::path motion = std::filesystem::path("motions") / (name + ".yaml");
+  std::filesystem::copy_file(KOBOSHI_SOURCE_DIR "/robots/koboshi" / motion, folder / motion);
 }
 
 }  // namespace koboshi::test

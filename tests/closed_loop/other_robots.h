@@ -25,6 +25,9 @@ std::string with_waist(std::string robot);
 // Adds shoulder yaw, two wrist joints and a gripper to each arm: eight joints more.
 std::string with_longer_arms(std::string robot);
 
+// Takes the hip yaw out of both legs and bolts its bracket to the trunk: 18 joints.
+std::string without_hip_yaw(std::string robot);
+
 // Four joints: two legs of hip yaw and ankle roll, and nothing else.
 std::string four_joints();
 
@@ -32,5 +35,7 @@ std::string four_joints();
 // has legs that walk, the parameters of the default robot; `fixed_upper_body` is that parameter.
 void write_robot(const std::filesystem::path& folder, const std::string& robot, bool walks,
                  bool fixed_upper_body);
+// Adds a motion of the default robot to such a robot.
+void copy_motion(const std::filesystem::path& folder, const std::string& name);
 
 }  // namespace koboshi::test

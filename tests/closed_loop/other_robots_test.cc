@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -150,6 +151,60 @@ TEST_F(OtherRobots, WalksWith31Joints) {
   RecordProperty("bus_load", std::to_string(walked.bus_load));
   EXPECT_GT(walked.bus_load, 0.9 * computed.shortest);
   EXPECT_LT(walked.bus_load, computed.longest);
+}
+
+// 18 joints, with the parameters of the default robot, those of turning among them: they are not used. It
+// stands, squats, steps on the spot, walks forward and to the left, and refuses to turn.
+TEST_F(OtherRobots, WalksStraightWithoutHipYaw) {
+  write_robot(folder_.path, without_hip_yaw(default_robot()), /*walks=*/true, /*fixed_upper_body=*/true);
+  copy_motion(folder_.path, "squat");
+  const auto file = folder_.path / "go.yaml";
+  write_file(file, "version: 1\nrobot: " + (folder_.path / "robot.sdf").string() + R"(
+motions: [stand, squat]
+duration_s: 16.5
+seed: 1
+physics: {stepper: lumped}
+parameter_file: standing
+initial:
+  held_until_s: 3.5
+  joints_deg: {hip_roll: 4, hip_pitch: -16, knee: 44, ankle_pitch: -28, ankle_roll: -4}
+commands:
+  - {at_s: 2, enable: true}
+  - {at_s: 4, play: squat}
+  - {at_s: 6.5, stop: true}
+  - {at_s: 9.5, walk: {}}
+  - {at_s: 11, walk: {forward_m_per_s: 0.15}}
+  - {at_s: 13, walk: {left_m_per_s: 0.06}}
+  - {at_s: 16, walk: {turn_rad_per_s: 0.3}}
+)");
+  RobotRun run(simulation::read_scenario(file));
+  EXPECT_EQ(run.robot().joints.size(), 18u);
+  const auto place_m = [&]() -> Eigen::Vector3d { return run.board().world().body(0).X_WL.translation(); };
+  run.run_until_us(4'000'000);
+  EXPECT_EQ(run.behaviour().state, State::kStanding);
+  const double standing_m = place_m().z();
+  run.run_until_us(6'000'000);
+  EXPECT_EQ(run.behaviour().state, State::kMotion);
+  double lowest_m = place_m().z();
+  while (run.board().now_us() < 9'400'000) {
+    run.run_until_us(run.board().now_us() + 10'000);
+    lowest_m = std::min(lowest_m, place_m().z());
+  }
+  EXPECT_EQ(run.behaviour().state, State::kStanding);
+  EXPECT_LT(lowest_m, standing_m - 0.01);
+  run.run_until_us(10'900'000);
+  EXPECT_EQ(run.behaviour().state, State::kWalking);
+  const double on_the_spot_m = place_m().x();
+  run.run_until_us(12'900'000);
+  EXPECT_GT(place_m().x(), on_the_spot_m + 0.15);
+  run.run_until_us(13'400'000);
+  const double aside_m = place_m().y();
+  run.run_until_us(15'900'000);
+  EXPECT_GT(place_m().y(), aside_m + 0.04);
+  run.run_until_us(16'500'000);
+  EXPECT_EQ(run.behaviour().state, State::kWalking);
+  EXPECT_EQ(run.behaviour().refusal, behaviour::Reason::kVelocityOutOfRange);
+  EXPECT_GT(height_of_up(run.board()), 0.98);
 }
 
 TEST_F(OtherRobots, StandsOnFourJointsAndRefusesToWalk) {

@@ -22,9 +22,6 @@ namespace {
 
 constexpr std::uint32_t kMean = 60'000;  // mean instructions in the 10 ms of a tick while the robot moves
 constexpr std::uint32_t kWorst = 100'000;
-// With legs without a closed form, above the budget of 60,000 since the walk measures its centre of mass:
-// docs/reference/known-limits.md.
-constexpr std::uint32_t kMeanOfNewtonLegs = 67'500;
 constexpr std::uint32_t kStack_bytes = 4096;
 
 // Instructions that the firmware executes per tick: the tick itself and the ten preceding service calls.
@@ -114,7 +111,7 @@ TEST(Budget, OfLegsWithoutClosedForm) {
   const std::uint32_t worst = *std::ranges::max_element(ticks.moving);
   std::printf("moving: mean %u, worst %u; worst after boot %u\n", mean, worst, ticks.worst_after_boot);
   EXPECT_GT(mean, kMean / 2);
-  EXPECT_LE(mean, kMeanOfNewtonLegs);
+  EXPECT_LE(mean, kMean);
   EXPECT_LE(worst, kWorst);
   EXPECT_LE(ticks.worst_after_boot, kWorst);
 }

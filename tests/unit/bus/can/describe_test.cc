@@ -53,7 +53,11 @@ TEST(Describe, DescribesTheDrivesSecondSdoChannels) {
   EXPECT_EQ(words("6A4#4B41600040020000"), "second SDO node 16: read answered 6041:00 = 0x0240");
   EXPECT_EQ(words("6A3#4041600000000000"), "second SDO node 35: read 6041:00");
   EXPECT_EQ(words("6B7#4B41600040020000"), "second SDO node 35: read answered 6041:00 = 0x0240");
-  for (const char* other : {"68F#4041600000000000", "6B8#4041600000000000"}) {
+  EXPECT_EQ(words("6B8#4041600000000000"), "second SDO node 39: read 6041:00");
+  EXPECT_EQ(words("6CC#4B41600040020000"), "second SDO node 39: read answered 6041:00 = 0x0240");
+  EXPECT_EQ(words("6CB#4041600000000000"), "second SDO node 58: read 6041:00");
+  EXPECT_EQ(words("6DF#4B41600040020000"), "second SDO node 58: read answered 6041:00 = 0x0240");
+  for (const char* other : {"68F#4041600000000000", "6E0#4041600000000000"}) {
     EXPECT_EQ(kind_of(parse_frame(other)), FrameKind::kOther);
     EXPECT_EQ(words(other), "");
   }

@@ -4,7 +4,10 @@
 
 #include <deque>
 #include <numeric>
+#include <set>
 
+#include "firmware/app/dictionary.h"
+#include "sim_board/drive/pc_sdo.h"
 #include "tests/unit/firmware/canopen/test_node.h"
 
 namespace koboshi::bus {
@@ -237,11 +240,40 @@ TEST(SecondSdo, ExistsInDrivesOnly) {
   Ear ear;
   second_sdo(ear, 16).write({0x6060, 0}, std::vector<std::uint8_t>{8});
   EXPECT_EQ(ear.identifiers, std::vector<std::uint16_t>{0x690});
-  EXPECT_NO_THROW(second_sdo(ear, 35));
-  for (const std::uint8_t node : std::vector<std::uint8_t>{1, 15, 36, 38, 127}) {
+  for (const std::uint8_t node : std::vector<std::uint8_t>{35, 39, 58}) EXPECT_NO_THROW(second_sdo(ear, node));
+  for (const std::uint8_t node : std::vector<std::uint8_t>{1, 15, 36, 38, 59, 127}) {
     EXPECT_THROW(second_sdo(ear, node), std::invalid_argument) << int{node};
   }
   EXPECT_EQ(ear.identifiers.size(), 1u);
+}
+
+TEST(SecondSdo, SaysWhatToDoWithADriveThatHasNone) {
+  Ear ear;
+  try {
+    second_sdo(ear, 59);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "found node 59, which has no second SDO channel, expected a drive, 16 to 35 or 39 to 58; or "
+                 "use the first channel, --first, while no controller uses it");
+  }
+}
+
+// Requests and answers of all second channels, and the joint target stream of the controller.
+TEST(SecondSdo, MeetsNoOtherIdentifier) {
+  std::set<std::uint32_t> taken;
+  for (std::uint32_t id = app::kStreamTargetBase; id <= app::kStreamSequenceIdentifier; ++id) taken.insert(id);
+  for (int node = 1; node <= canopen::kMaxNodeId; ++node) {
+    if (!sim_board::has_pc_sdo(node)) continue;
+    for (const std::uint16_t id : {sim_board::pc_sdo_request(node), sim_board::pc_sdo_response(node)}) {
+      EXPECT_TRUE(taken.insert(id).second) << "node " << node;
+      EXPECT_FALSE(canopen::is_restricted(id)) << "node " << node;
+      EXPECT_GE(id, 0x680) << "node " << node;
+    }
+    EXPECT_EQ(sim_board::node_of_pc_sdo_request(sim_board::pc_sdo_request(node)), node);
+    EXPECT_EQ(sim_board::node_of_pc_sdo_response(sim_board::pc_sdo_response(node)), node);
+    EXPECT_EQ(sim_board::node_of_pc_sdo_request(sim_board::pc_sdo_response(node)), 0);
+  }
 }
 
 }  // namespace

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <random>
 #include <string>
 
+#include "firmware/fixed/trigonometry.h"
 #include "tests/unit/firmware/robot/reference.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
@@ -66,6 +69,65 @@ TEST_F(KinematicsTest, AgreesWithDoubleInEveryLink) {
   EXPECT_LT(worst_m, 0.5e-6) << "seed " << kKinematicsSeed;
   EXPECT_LT(worst_direction, 2e-8) << "seed " << kKinematicsSeed;
   EXPECT_GT(worst_m, 1e-9);
+}
+
+// Rodrigues' formula, as for any axis.
+Rotation rodrigues(const Direction& a, fixed::Angle angle) {
+  using fixed::product;
+  using fixed::Ratio;
+  const auto [s, c] = fixed::sin_cos(angle);
+  const auto scaled = [](Ratio factor, const Direction& v) {
+    return Direction{product<Ratio>(factor, v.x), product<Ratio>(factor, v.y), product<Ratio>(factor, v.z)};
+  };
+  const Direction sa = scaled(s, a);
+  const Direction va = scaled(fixed::kOne - c, a);
+  return {{Direction{c, -sa.z, sa.y} + scaled(va.x, a), Direction{sa.z, c, -sa.x} + scaled(va.y, a),
+           Direction{-sa.y, sa.x, c} + scaled(va.z, a)}};
+}
+
+int largest_difference_raw(const Rotation& a, const Rotation& b) {
+  int largest = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Direction difference = a.rows[i] - b.rows[i];
+    for (const fixed::Ratio each : {difference.x, difference.y, difference.z})
+      largest = std::max(largest, std::abs(each.raw()));
+  }
+  return largest;
+}
+
+TEST_F(KinematicsTest, TurnsAboutAxesOfTheBaseByTheSameBitsAsAProduct) {
+  const auto draw = [&] { return fixed::Angle::from_raw(static_cast<std::int32_t>(random_()) / 8 * 7); };
+  for (int round = 0; round < 5000; ++round) {
+    const Rotation R = rodrigues(kAxisX, draw()) * rodrigues(kAxisY, draw()) * rodrigues(kAxisZ, draw());
+    for (const Direction& axis : {kAxisX, kAxisY, kAxisZ, -kAxisX, -kAxisY, -kAxisZ}) {
+      const fixed::Angle angle = draw();
+      const Rotation turn = rodrigues(axis, angle);
+      ASSERT_EQ(rotation_about(axis, angle), turn) << "seed " << kKinematicsSeed << ", round " << round;
+      Rotation turned = R;
+      const Direction R_axis = turn_about(turned, axis, angle);
+      ASSERT_EQ(turned, R * turn) << "seed " << kKinematicsSeed << ", round " << round;
+      ASSERT_EQ(R_axis, R * axis) << "seed " << kKinematicsSeed << ", round " << round;
+    }
+  }
+}
+
+// Three roundings of a product with a rotation matrix, and two without it.
+TEST_F(KinematicsTest, TurnsAboutObliqueAxesLikeAProduct) {
+  const auto draw = [&] { return fixed::Angle::from_raw(static_cast<std::int32_t>(random_())); };
+  const auto ratio = [](double value) { return fixed::from_double<fixed::Ratio>(value); };
+  int worst_raw = 0;
+  for (int round = 0; round < 5000; ++round) {
+    const Rotation R = rodrigues(kAxisX, draw()) * rodrigues(kAxisY, draw()) * rodrigues(kAxisZ, draw());
+    std::uniform_real_distribution<> uniform(-1, 1);
+    const Point v{uniform(random_), uniform(random_), uniform(random_)};
+    const Direction axis{ratio(v.x / norm(v)), ratio(v.y / norm(v)), ratio(v.z / norm(v))};
+    const fixed::Angle angle = draw();
+    Rotation turned = R;
+    static_cast<void>(turn_about(turned, axis, angle));
+    worst_raw = std::max(worst_raw, largest_difference_raw(turned, R * rotation_about(axis, angle)));
+  }
+  EXPECT_LT(worst_raw, 8) << "seed " << kKinematicsSeed;
+  EXPECT_GT(worst_raw, 0) << "seed " << kKinematicsSeed;
 }
 
 TEST_F(KinematicsTest, FindsTheCentreOfMass) {

@@ -105,6 +105,7 @@ TEST_F(RobotParametersTest, DescribeAReachablePosture) {
   EXPECT_THAT(refusal("com_height_mm", 60), HasSubstr("which the legs reach"));
   EXPECT_EQ(refusal("com_height_mm", 165), "");
   EXPECT_THAT(refusal("longest_step_mm", 400), HasSubstr("a step that the legs reach"));
+  EXPECT_THAT(refusal("longest_step_mm", 400), HasSubstr("mm, or a lower com_height_mm"));
   EXPECT_THAT(refusal("widest_step_mm", 450), HasSubstr("a step that the legs reach"));
 }
 
