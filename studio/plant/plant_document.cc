@@ -1,0 +1,310 @@
+#include "studio/plant/plant_document.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "base/text/error.h"
+#include "base/yaml/yaml_reader.h"
+#include "sim_board/description/edit/field_value.h"
+#include "sim_board/description/load.h"
+#include "simulation/assembly/plant.h"
+#include "simulation/scenario/events_text.h"
+#include "simulation/scenario/reader.h"
+#include "studio/document/edit_support.h"
+
+namespace koboshi::studio {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kKey = "plant";
+
+// Writes a key or a value without quotes where YAML reads the same text: left_shank.mass: 0 0 -66 mm.
+std::string plain_scalar(const std::string& text) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-^/ ";
+  constexpr std::array<std::string_view, 6> kWords{"true", "false", "null", "yes", "no", "on"};
+  const bool is_plain = !text.empty() && text.find_first_not_of(kPlain) == std::string::npos &&
+                        text.front() != ' ' && text.back() != ' ' && !text.starts_with("- ") && text != "-";
+  return is_plain && std::ranges::find(kWords, text) == kWords.end() ? text : yaml_scalar(text);
+}
+
+// The settings of a document, whose errors name the key alone: the text that the user edits has no lines.
+std::vector<simulation::PlantSetting> settings_in(const YamlNode& tree) {
+  const YamlFile file(kKey, tree);
+  std::vector<simulation::PlantSetting> settings = simulation::read_plant_settings(file.root());
+  for (simulation::PlantSetting& setting : settings) {
+    setting.field.source = kKey;
+    setting.field.line = 0;
+  }
+  return settings;
+}
+
+// Where an entry stands: "plant", "trunk", "com" for trunk.com.
+struct EntryPlace {
+  Steps steps;
+  std::string path;
+};
+
+void add_places(const YamlNode& map, const EntryPlace& parent, std::vector<EntryPlace>& places) {
+  for (const YamlNode& item : map.items) {
+    EntryPlace place = parent;
+    place.steps.push_back(item.key);
+    place.path += (place.path.empty() ? "" : ".") + item.key;
+    if (item.kind == YamlNode::Kind::kMap)
+      add_places(item, place, places);
+    else
+      places.push_back(std::move(place));
+  }
+}
+
+// In the order of settings_in().
+std::vector<EntryPlace> places_in(const YamlNode& tree) {
+  std::vector<EntryPlace> places;
+  if (const YamlNode* map = tree.find(kKey)) add_places(*map, {{kKey}, {}}, places);
+  return places;
+}
+
+// Adds the edits that give a document the scalars of another one with the same keys.
+void add_differences(const YamlNode& from, const YamlNode& to, const Steps& steps,
+                     std::vector<YamlEdit>& edits) {
+  if (from.kind == YamlNode::Kind::kScalar && from.scalar != to.scalar)
+    edits.push_back({YamlEdit::Kind::kSet, YamlPath(steps), plain_scalar(to.scalar)});
+  for (std::size_t i = 0; i < from.items.size(); ++i) {
+    Steps inner = steps;
+    inner.push_back(from.kind == YamlNode::Kind::kList ? std::to_string(i) : from.items[i].key);
+    add_differences(from.items[i], to.items[i], inner, edits);
+  }
+}
+
+// Removes an entry, with the maps that would be empty without it.
+void erase_place(YamlDocument& yaml, const EntryPlace& place) {
+  Steps steps = place.steps;
+  while (steps.size() > 1) {
+    const Steps parent(steps.begin(), steps.end() - 1);
+    if (find_node(yaml.tree(), YamlPath(parent))->items.size() > 1) break;
+    steps = parent;
+  }
+  yaml.erase(YamlPath(steps));
+}
+
+// Adds an entry; the key stands behind the robot that it changes.
+void add_entry(YamlDocument& yaml, const std::string& path, const std::string& typed) {
+  const YamlNode* map = yaml.tree().find(kKey);
+  if (map != nullptr && map->kind == YamlNode::Kind::kMap && !map->items.empty())
+    return yaml.set(YamlPath(Steps{kKey, path}), plain_scalar(typed));
+  if (map != nullptr) yaml.erase(kKey);
+  const auto& items = yaml.tree().items;
+  const auto robot = std::ranges::find(items, "robot", &YamlNode::key);
+  const auto index = static_cast<std::size_t>(robot - items.begin()) + (robot == items.end() ? 0 : 1);
+  yaml.insert_items(YamlPath(), index,
+                    std::string(kKey) + ":\n  " + plain_scalar(path) + ": " + plain_scalar(typed) + "\n");
+}
+
+}  // namespace
+
+PlantDocument::Opened PlantDocument::open(const fs::path& scenario) {
+  ReadFile read = read_file_with_state(scenario);
+  YamlDocument yaml(scenario, read.text);
+  static_cast<void>(yaml.places());  // refuses what cannot be edited
+  return {std::move(read), std::move(yaml)};
+}
+
+PlantDocument::PlantDocument(const fs::path& scenario, const fs::path& robot, fs::path recovery_folder)
+    : PlantDocument(fs::absolute(scenario), open(scenario), robot, std::move(recovery_folder)) {}
+
+PlantDocument::PlantDocument(fs::path scenario, Opened opened, const fs::path& robot,
+                             fs::path recovery_folder)
+    : TextDocument(std::move(scenario), opened.read.state),
+      yaml_(std::move(opened.yaml)),
+      model_(robot),
+      plant_(model_),
+      autosave_(std::move(recovery_folder)) {
+  follow_text();
+}
+
+void PlantDocument::set_robot(const fs::path& robot) {
+  model_ = XmlDocument(robot);
+  follow_text();
+}
+
+// --- The text and its meaning
+
+XmlDocument PlantDocument::plant_of(const std::vector<simulation::PlantSetting>& settings) const {
+  XmlDocument plant = model_;
+  simulation::apply_plant(plant, settings);
+  try {
+    static_cast<void>(sim_board::load_robot(plant.source(), plant.text()));
+  } catch (const InputError& error) {
+    // The lines are those of a text that nobody sees.
+    throw InputError(kKey, 0, error.found(), error.expected());
+  }
+  return plant;
+}
+
+void PlantDocument::follow_text() {
+  settings_.clear();
+  plant_ = model_;
+  problem_.clear();
+  try {
+    settings_ = settings_in(yaml_.tree());
+    plant_ = plant_of(settings_);
+  } catch (const InputError& error) {
+    problem_ = error.what();
+  }
+}
+
+void PlantDocument::check(const std::string& text) const {
+  const YamlDocument yaml(file(), text);
+  static_cast<void>(yaml.places());
+  static_cast<void>(settings_in(yaml.tree()));
+}
+
+void PlantDocument::take_text(std::string text) {
+  yaml_.replace_text(std::move(text));
+  follow_text();
+}
+
+void PlantDocument::take(YamlDocument edited, const std::string& label, std::string_view drag) {
+  if (edited.text() == text()) return;
+  std::vector<simulation::PlantSetting> settings = settings_in(edited.tree());
+  XmlDocument plant = plant_of(settings);
+  const std::string before = text();
+  yaml_ = std::move(edited);
+  settings_ = std::move(settings);
+  plant_ = std::move(plant);
+  problem_.clear();
+  record(before, label, drag);
+}
+
+void PlantDocument::replace_text(const std::string& text) {
+  check(text);
+  replace(text, "Restore");
+}
+
+std::string PlantDocument::text_for(const fs::path& folder) const {
+  std::vector<YamlEdit> edits;
+  add_differences(yaml_.tree(), simulation::with_moved_files(yaml_.tree(), file().parent_path(), folder), {},
+                  edits);
+  YamlDocument moved = yaml_;
+  moved.edit(edits);
+  return moved.text();
+}
+
+Override PlantDocument::override_value() const {
+  std::string map;
+  for (const simulation::PlantSetting& setting : settings_)
+    map += (map.empty() ? "" : ", ") + plain_scalar(setting.field.text) + ": " + plain_scalar(setting.value);
+  return {kKey, "{" + map + "}", kKey};
+}
+
+// --- Entries
+
+sim_board::ModelField PlantDocument::field_at(const std::string& path) const {
+  try {
+    return sim_board::find_field(model_, path);
+  } catch (const InputError& error) {
+    throw InputError(kKey, 0, error.found(), error.expected());
+  }
+}
+
+std::string PlantDocument::key_of(const std::string& path) const {
+  try {
+    return sim_board::find_field(model_, path).key();
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+std::vector<PlantDocument::Entry> PlantDocument::entries() const { return entries_of(settings_); }
+
+std::vector<PlantDocument::Entry> PlantDocument::entries_of(
+    const std::vector<simulation::PlantSetting>& settings) const {
+  std::vector<Entry> entries;
+  for (const simulation::PlantSetting& setting : settings) {
+    Entry& entry = entries.emplace_back(Entry{.path = setting.field.text, .value = setting.value});
+    entry.key = key_of(entry.path);
+    if (!entry.key.empty()) entry.model = shown_value(field_at(entry.path));
+  }
+  return entries;
+}
+
+std::string PlantDocument::text_of(const Entry& entry) {
+  return entry.path + " = " + entry.value + (entry.model.empty() ? "" : " (model: " + entry.model + ")");
+}
+
+// --- Edits
+
+void PlantDocument::set_one(YamlDocument& yaml, const std::string& path, const std::string& typed) const {
+  const sim_board::ModelField field = field_at(path);
+  if (typed.empty()) throw InputError(kKey, 0, path + " without a value", field.expected());
+  std::string value;
+  try {
+    value = sim_board::file_text(model_, field, typed);
+  } catch (const InputError& error) {
+    throw InputError(kKey, 0, error.found(), error.expected());
+  }
+  const bool is_of_model = same_value(value, field.value.value_or(field.fallback()));
+  const auto places = places_in(yaml.tree());
+  for (auto place = places.rbegin(); place != places.rend(); ++place) {
+    if (key_of(place->path) != field.key()) continue;
+    if (is_of_model) return erase_place(yaml, *place);
+    return yaml.set(YamlPath(place->steps), plain_scalar(typed));
+  }
+  if (!is_of_model) add_entry(yaml, path, typed);
+}
+
+void PlantDocument::set(const std::vector<sim_board::ModelSetting>& typed, sim_board::Sides sides,
+                        std::string_view drag) {
+  YamlDocument edited = yaml_;
+  for (const auto& [path, value] : typed) {
+    set_one(edited, path, value);
+    const sim_board::ModelField field = field_at(path);
+    if (sides == sim_board::Sides::kOne || !sim_board::has_other_side(model_, field)) continue;
+    const sim_board::MirroredValue other =
+        sim_board::mirrored_value(model_, field, sim_board::file_text(model_, field, value));
+    const bool is_same = sim_board::file_text(model_, other.field, value) == other.value;
+    set_one(edited, other.field.path, is_same ? value : other.value);
+  }
+  take(std::move(edited), typed.empty() ? "Plant" : "Plant: " + typed.front().path, drag);
+}
+
+void PlantDocument::set(const PlantQuantity& quantity, double value, sim_board::Sides sides,
+                        std::string_view drag) {
+  set({{quantity.field.path, typed_value(quantity, plant_, value)}}, sides, drag);
+}
+
+std::vector<std::string> PlantDocument::both_sides(const std::string& key, sim_board::Sides sides) const {
+  std::vector<std::string> keys{key};
+  const sim_board::ModelField field = field_at(key);
+  if (sides == sim_board::Sides::kBoth && field.value && sim_board::has_other_side(model_, field))
+    keys.push_back(sim_board::mirrored_value(model_, field, *field.value).field.key());
+  return keys;
+}
+
+void PlantDocument::erase(const std::string& key, sim_board::Sides sides) {
+  YamlDocument edited = yaml_;
+  for (const std::string& one : both_sides(key, sides))
+    for (const EntryPlace& place : places_in(yaml_.tree()))
+      if (key_of(place.path) == one) erase_place(edited, place);
+  take(std::move(edited), "Model's value of " + field_at(key).path);
+}
+
+void PlantDocument::erase_entry(std::size_t index) {
+  const auto places = places_in(yaml_.tree());
+  if (index >= places.size()) return;
+  YamlDocument edited = yaml_;
+  erase_place(edited, places[index]);
+  take(std::move(edited), "Model's value of " + places[index].path);
+}
+
+void PlantDocument::erase_all() {
+  if (yaml_.tree().find(kKey) == nullptr) return;
+  YamlDocument edited = yaml_;
+  edited.erase(kKey);
+  take(std::move(edited), "The model's values");
+}
+
+}  // namespace koboshi::studio
