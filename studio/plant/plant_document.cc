@@ -246,14 +246,31 @@ void PlantDocument::set_one(YamlDocument& yaml, const std::string& path, const s
   } catch (const InputError& error) {
     throw InputError(kKey, 0, error.found(), error.expected());
   }
-  const bool is_of_model = same_value(value, field.value.value_or(field.fallback()));
+  const auto has_value = [&](const YamlDocument& document) {
+    XmlDocument plant = model_;
+    simulation::apply_plant(plant, settings_in(document.tree()));
+    const sim_board::ModelField now = sim_board::find_field(plant, field.key());
+    return same_value(value, now.value.value_or(now.fallback()));
+  };
   const auto places = places_in(yaml.tree());
-  for (auto place = places.rbegin(); place != places.rend(); ++place) {
-    if (key_of(place->path) != field.key()) continue;
-    if (is_of_model) return erase_place(yaml, *place);
-    return yaml.set(YamlPath(place->steps), plain_scalar(typed));
+  const EntryPlace* last = nullptr;
+  YamlDocument without = yaml;
+  for (const EntryPlace& place : places) {
+    if (key_of(place.path) != field.key()) continue;
+    erase_place(without, place);
+    last = &place;
   }
-  if (!is_of_model) add_entry(yaml, path, typed);
+  if (last != nullptr && !has_value(without)) {
+    YamlDocument edited = yaml;
+    edited.set(YamlPath(last->steps), plain_scalar(typed));
+    if (has_value(edited)) {
+      yaml = std::move(edited);
+      return;
+    }
+  }
+  // A later entry of a value around this one, such as a pose, would replace it.
+  yaml = std::move(without);
+  if (!has_value(yaml)) add_entry(yaml, path, typed);
 }
 
 void PlantDocument::set(const std::vector<sim_board::ModelSetting>& typed, sim_board::Sides sides,
@@ -268,7 +285,7 @@ void PlantDocument::set(const std::vector<sim_board::ModelSetting>& typed, sim_b
     const bool is_same = sim_board::file_text(model_, other.field, value) == other.value;
     set_one(edited, other.field.path, is_same ? value : other.value);
   }
-  take(std::move(edited), typed.empty() ? "Plant" : "Plant: " + typed.front().path, drag);
+  take(std::move(edited), "Set " + (typed.empty() ? std::string("nothing") : typed.front().path), drag);
 }
 
 void PlantDocument::set(const PlantQuantity& quantity, double value, sim_board::Sides sides,

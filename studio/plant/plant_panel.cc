@@ -58,6 +58,7 @@ PlantPanel::PlantPanel(QWidget* parent)
       effect_(new QLabel(this)),
       start_again_(new QPushButton(tr("Start again"), this)) {
   setLocale(QLocale::c());
+  setMinimumWidth(48 * fontMetrics().horizontalAdvance(QLatin1Char('0')));
   build_actions();
   build_menu();
   build_layout();
@@ -178,6 +179,7 @@ void PlantPanel::build_layout() {
 
 void PlantPanel::open(const std::filesystem::path& scenario, const std::filesystem::path& robot) {
   const bool is_open = document_ && document_->file() == std::filesystem::absolute(scenario);
+  const std::string model = document_ ? document_->model().text() : std::string();
   try {
     if (is_open) {
       if (!modified() && document_->changed_on_disk() == DiskChange::kChanged) document_->reload();
@@ -193,7 +195,7 @@ void PlantPanel::open(const std::filesystem::path& scenario, const std::filesyst
     return;
   }
   show_message(QString::fromStdString(document_->problem()), true);
-  fill_elements();
+  if (document_->model().text() != model) fill_elements();  // else the sliders stay where they are scrolled
   follow_document();
   if (!is_open) offer_recovery();
   Q_EMIT title_changed();

@@ -7,6 +7,7 @@
 #include <QToolButton>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "studio/widgets/jump_slider.h"
 #include "studio/widgets/value_filter.h"

@@ -125,6 +125,26 @@ TEST_F(PlantDocumentTest, ADragIsOneStepAndTheModelsValueIsNoEntry) {
   EXPECT_FALSE(document->undo());
 }
 
+// A whole pose and its halves are values of the same bytes: the one that was set last holds.
+TEST_F(PlantDocumentTest, TheLastEditHoldsBesideValuesAroundIt) {
+  const auto document = open(replaced(first_, "robot: koboshi\n",
+                                      "robot: koboshi\n"
+                                      "plant:\n"
+                                      "  left_shank.position: 0 0 -66 mm\n"
+                                      "  left_shank.pose: 0 0 -0.067 0 0 0\n"));
+  const auto height_mm = [&] {
+    for (const PlantQuantity& quantity : plant_quantities(document->model(), document->plant(), "left_shank"))
+      if (quantity.name() == "left_shank.position z") return quantity.plant;
+    return 0.0;
+  };
+  EXPECT_DOUBLE_EQ(height_mm(), -67.0);
+  document->set({{"left_shank.position", "0 0 -64 mm"}}, Sides::kOne);
+  EXPECT_DOUBLE_EQ(height_mm(), -64.0);
+  document->set({{"left_shank.position", "0 0 -65 mm"}}, Sides::kOne);  // the model's
+  EXPECT_DOUBLE_EQ(height_mm(), -65.0);
+  EXPECT_EQ(document->entries().size(), 2U);
+}
+
 TEST_F(PlantDocumentTest, ChangesBothSides) {
   const auto document = open();
   document->set({{"left_shank.mass", "80 g"}, {"left_shank.com", "0 2 -33 mm"}}, Sides::kBoth);

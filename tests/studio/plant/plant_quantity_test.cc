@@ -85,9 +85,9 @@ TEST(PlantQuantity, GivesValuesThatTheReaderTakes) {
         std::string text;
         ASSERT_NO_THROW(text = sim_board::file_text(robot(), quantity.field, typed))
             << quantity.name() << " = " << typed;
-        if (value == quantity.model)
-          EXPECT_TRUE(same_value(text, quantity.field.value.value_or(quantity.field.fallback())))
-              << quantity.name() << " = " << typed;
+        if (value != quantity.model) continue;
+        EXPECT_TRUE(same_value(text, quantity.field.value.value_or(quantity.field.fallback())))
+            << quantity.name() << " = " << typed;
       }
       ++count;
     }
