@@ -42,6 +42,21 @@ std::vector<simulation::PlantSetting> settings_in(const YamlNode& tree) {
   return settings;
 }
 
+// The key of a value, or of the pose of which it is a half.
+std::string whole_key(const sim_board::ModelField& field) {
+  if (field.part == sim_board::PosePart::kWhole) return field.key();
+  return field.key().substr(0, field.key().rfind('.'));
+}
+
+// The name of a value of the other side that is like the one of this side: right_shank.com for
+// left_shank.com.
+std::string path_beside(const std::string& path, const sim_board::ModelField& field,
+                        const sim_board::ModelField& other) {
+  const std::string& name = field.steps.front().name;
+  const bool is_named = path.starts_with(name + ".") && path.find('.') == path.rfind('.');
+  return is_named ? other.steps.front().name + path.substr(name.size()) : other.path;
+}
+
 // Where an entry stands: "plant", "trunk", "com" for trunk.com.
 struct EntryPlace {
   Steps steps;
@@ -126,7 +141,10 @@ PlantDocument::PlantDocument(fs::path scenario, Opened opened, const fs::path& r
 }
 
 void PlantDocument::set_robot(const fs::path& robot) {
-  model_ = XmlDocument(robot);
+  XmlDocument model(robot);
+  if (model.source() == model_.source() && model.text() == model_.text()) return;
+  model_ = std::move(model);
+  fields_.clear();
   follow_text();
 }
 
@@ -202,19 +220,21 @@ Override PlantDocument::override_value() const {
 
 // --- Entries
 
-sim_board::ModelField PlantDocument::field_at(const std::string& path) const {
+const sim_board::ModelField& PlantDocument::field_at(const std::string& path) const {
+  const auto known = fields_.find(path);
+  if (known != fields_.end()) return known->second;
   try {
-    return sim_board::find_field(model_, path);
+    return fields_.emplace(path, sim_board::find_field(model_, path)).first->second;
   } catch (const InputError& error) {
     throw InputError(kKey, 0, error.found(), error.expected());
   }
 }
 
-std::string PlantDocument::key_of(const std::string& path) const {
+const sim_board::ModelField* PlantDocument::find_field_at(const std::string& path) const {
   try {
-    return sim_board::find_field(model_, path).key();
+    return &field_at(path);
   } catch (const InputError&) {
-    return {};
+    return nullptr;
   }
 }
 
@@ -225,8 +245,10 @@ std::vector<PlantDocument::Entry> PlantDocument::entries_of(
   std::vector<Entry> entries;
   for (const simulation::PlantSetting& setting : settings) {
     Entry& entry = entries.emplace_back(Entry{.path = setting.field.text, .value = setting.value});
-    entry.key = key_of(entry.path);
-    if (!entry.key.empty()) entry.model = shown_value(field_at(entry.path));
+    const sim_board::ModelField* field = find_field_at(entry.path);
+    if (field == nullptr) continue;
+    entry.key = field->key();
+    entry.model = shown_value(*field);
   }
   return entries;
 }
@@ -237,40 +259,52 @@ std::string PlantDocument::text_of(const Entry& entry) {
 
 // --- Edits
 
+// Whether the simulated robot of a document has this value.
+bool PlantDocument::has_value(const YamlDocument& yaml, const sim_board::ModelField& field,
+                              const std::string& value) const {
+  XmlDocument plant = model_;
+  simulation::apply_plant(plant, settings_in(yaml.tree()));
+  const sim_board::ModelField now = sim_board::find_field(plant, field.key());
+  return same_value(value, now.value.value_or(now.fallback()));
+}
+
+// The last entry of a value stays in its place, unless a later one of a value around it, such as a pose,
+// would replace it.
 void PlantDocument::set_one(YamlDocument& yaml, const std::string& path, const std::string& typed) const {
-  const sim_board::ModelField field = field_at(path);
+  const sim_board::ModelField& field = field_at(path);
   if (typed.empty()) throw InputError(kKey, 0, path + " without a value", field.expected());
-  std::string value;
-  try {
-    value = sim_board::file_text(model_, field, typed);
-  } catch (const InputError& error) {
-    throw InputError(kKey, 0, error.found(), error.expected());
-  }
-  const auto has_value = [&](const YamlDocument& document) {
-    XmlDocument plant = model_;
-    simulation::apply_plant(plant, settings_in(document.tree()));
-    const sim_board::ModelField now = sim_board::find_field(plant, field.key());
-    return same_value(value, now.value.value_or(now.fallback()));
-  };
-  const auto places = places_in(yaml.tree());
-  const EntryPlace* last = nullptr;
+  const std::string value = file_text_of(field, typed);
   YamlDocument without = yaml;
-  for (const EntryPlace& place : places) {
-    if (key_of(place.path) != field.key()) continue;
+  std::optional<EntryPlace> last;
+  bool is_alone = true;  // no entry sets a part of the value, or more than it
+  for (const EntryPlace& place : places_in(yaml.tree())) {
+    const sim_board::ModelField* other = find_field_at(place.path);
+    if (other == nullptr || whole_key(*other) != whole_key(field)) continue;
+    is_alone = is_alone && other->key() == field.key();
+    if (other->key() != field.key()) continue;
     erase_place(without, place);
-    last = &place;
+    last = place;
   }
-  if (last != nullptr && !has_value(without)) {
+  const bool is_of_model =
+      is_alone ? same_value(value, field.value.value_or(field.fallback())) : has_value(without, field, value);
+  if (last && !is_of_model) {
     YamlDocument edited = yaml;
     edited.set(YamlPath(last->steps), plain_scalar(typed));
-    if (has_value(edited)) {
+    if (is_alone || has_value(edited, field, value)) {
       yaml = std::move(edited);
       return;
     }
   }
-  // A later entry of a value around this one, such as a pose, would replace it.
   yaml = std::move(without);
-  if (!has_value(yaml)) add_entry(yaml, path, typed);
+  if (!is_of_model) add_entry(yaml, path, typed);
+}
+
+std::string PlantDocument::file_text_of(const sim_board::ModelField& field, const std::string& typed) const {
+  try {
+    return sim_board::file_text(model_, field, typed);
+  } catch (const InputError& error) {
+    throw InputError(kKey, 0, error.found(), error.expected());
+  }
 }
 
 void PlantDocument::set(const std::vector<sim_board::ModelSetting>& typed, sim_board::Sides sides,
@@ -278,24 +312,27 @@ void PlantDocument::set(const std::vector<sim_board::ModelSetting>& typed, sim_b
   YamlDocument edited = yaml_;
   for (const auto& [path, value] : typed) {
     set_one(edited, path, value);
-    const sim_board::ModelField field = field_at(path);
+    const sim_board::ModelField& field = field_at(path);
     if (sides == sim_board::Sides::kOne || !sim_board::has_other_side(model_, field)) continue;
     const sim_board::MirroredValue other =
         sim_board::mirrored_value(model_, field, sim_board::file_text(model_, field, value));
     const bool is_same = sim_board::file_text(model_, other.field, value) == other.value;
-    set_one(edited, other.field.path, is_same ? value : other.value);
+    const std::string beside = path_beside(path, field, other.field);
+    const sim_board::ModelField* named = find_field_at(beside);
+    const bool is_named = named != nullptr && named->key() == other.field.key();
+    set_one(edited, is_named ? beside : other.field.path, is_same ? value : other.value);
   }
   take(std::move(edited), "Set " + (typed.empty() ? std::string("nothing") : typed.front().path), drag);
 }
 
 void PlantDocument::set(const PlantQuantity& quantity, double value, sim_board::Sides sides,
                         std::string_view drag) {
-  set({{quantity.field.path, typed_value(quantity, plant_, value)}}, sides, drag);
+  set({{quantity.path, typed_value(quantity, model_, value)}}, sides, drag);
 }
 
 std::vector<std::string> PlantDocument::both_sides(const std::string& key, sim_board::Sides sides) const {
   std::vector<std::string> keys{key};
-  const sim_board::ModelField field = field_at(key);
+  const sim_board::ModelField& field = field_at(key);
   if (sides == sim_board::Sides::kBoth && field.value && sim_board::has_other_side(model_, field))
     keys.push_back(sim_board::mirrored_value(model_, field, *field.value).field.key());
   return keys;
@@ -305,7 +342,8 @@ void PlantDocument::erase(const std::string& key, sim_board::Sides sides) {
   YamlDocument edited = yaml_;
   for (const std::string& one : both_sides(key, sides))
     for (const EntryPlace& place : places_in(yaml_.tree()))
-      if (key_of(place.path) == one) erase_place(edited, place);
+      if (const auto* field = find_field_at(place.path); field != nullptr && field->key() == one)
+        erase_place(edited, place);
   take(std::move(edited), "Model's value of " + field_at(key).path);
 }
 

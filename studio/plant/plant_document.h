@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -89,9 +90,12 @@ class PlantDocument final : public TextDocument {
   void take_text(std::string text) override;
   void match_file() override { autosave_.match_file(file()); }
   XmlDocument plant_of(const std::vector<simulation::PlantSetting>& settings) const;
-  sim_board::ModelField field_at(const std::string& path) const;
-  std::string key_of(const std::string& path) const;
+  const sim_board::ModelField& field_at(const std::string& path) const;
+  const sim_board::ModelField* find_field_at(const std::string& path) const;  // nullptr: there is none
+  bool has_value(const YamlDocument& yaml, const sim_board::ModelField& field,
+                 const std::string& value) const;
   void set_one(YamlDocument& yaml, const std::string& path, const std::string& typed) const;
+  std::string file_text_of(const sim_board::ModelField& field, const std::string& typed) const;
   std::vector<std::string> both_sides(const std::string& key, sim_board::Sides sides) const;
   void take(YamlDocument edited, const std::string& label, std::string_view drag = {});
   void follow_text();
@@ -101,6 +105,7 @@ class PlantDocument final : public TextDocument {
   XmlDocument plant_;
   std::vector<simulation::PlantSetting> settings_;
   std::string problem_;
+  mutable std::map<std::string, sim_board::ModelField> fields_;  // of the model, found before; by path
   Autosave autosave_;
 };
 

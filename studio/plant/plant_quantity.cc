@@ -109,6 +109,12 @@ void set_ranges(PlantQuantity& quantity, double model, double size) {
   const int decimals = step > 0.0 ? static_cast<int>(std::ceil(-std::log10(step) - 1e-9)) : 0;
   quantity.decimals = std::max(
       {std::clamp(decimals, 0, kMaxDecimals), decimals_of(quantity.model), decimals_of(quantity.plant)});
+  // Rounded to the inside of what the reader permits.
+  const double scale = std::pow(10.0, quantity.decimals);
+  quantity.low = std::ceil(quantity.low * scale - 1e-6) / scale;
+  quantity.high = std::floor(quantity.high * scale + 1e-6) / scale;
+  quantity.slider_low = std::max(quantity.slider_low, quantity.low);
+  quantity.slider_high = std::min(quantity.slider_high, quantity.high);
 }
 
 std::string component_name(std::size_t component, std::size_t components) {
@@ -120,7 +126,16 @@ std::string component_name(std::size_t component, std::size_t components) {
                                      : " " + std::to_string(component + 1);
 }
 
-std::vector<PlantQuantity> quantities_of(const ModelField& model, const ModelField& plant) {
+// The usual name of a value, if it is the reader's name of this field; else the field's path.
+std::string usual_path(const std::vector<ModelField>& fields, const ModelField& field,
+                       const std::string& element) {
+  for (const std::string& word : {std::string("com"), sim_board::field_label(field)})
+    if (sim_board::match_field(fields, {element, word}) == &field) return element + "." + word;
+  return field.path;
+}
+
+std::vector<PlantQuantity> quantities_of(const ModelField& model, const ModelField& plant,
+                                         const std::string& path) {
   const std::vector<double> before = numbers_of(text_in_file(model));
   const std::vector<double> now = numbers_of(text_in_file(plant));
   double size = 0.0;
@@ -133,6 +148,8 @@ std::vector<PlantQuantity> quantities_of(const ModelField& model, const ModelFie
     PlantQuantity& quantity = quantities.emplace_back();
     quantity.field = model;
     quantity.component = i;
+    quantity.path = path;
+    quantity.plant_text = text_in_file(plant);
     quantity.group = group_of(model);
     quantity.label = label_of(model) + component_name(i, components);
     quantity.unit = sim_board::shown_unit(model);
@@ -158,7 +175,7 @@ std::string joined_numbers(const std::vector<double>& numbers, const std::string
 }  // namespace
 
 std::string PlantQuantity::name() const {
-  return field.path + component_name(component, std::max<std::size_t>(field.numbers(), 1));
+  return path + component_name(component, std::max<std::size_t>(field.numbers(), 1));
 }
 
 std::vector<sim_board::ModelElement> plant_elements(const XmlDocument& model) {
@@ -174,11 +191,13 @@ std::vector<PlantQuantity> plant_quantities(const XmlDocument& model, const XmlD
                                             const std::string& element) {
   const std::vector<ModelField> changed = fields_of(plant, element);
   std::vector<PlantQuantity> all;
-  for (const ModelField& field : fields_of(model, element)) {
+  const std::vector<ModelField> fields = fields_of(model, element);
+  for (const ModelField& field : fields) {
     if (!is_plant_field(field)) continue;
     const auto other = std::ranges::find(changed, field.key(), &ModelField::key);
     if (other == changed.end()) continue;
-    const std::vector<PlantQuantity> quantities = quantities_of(field, *other);
+    const std::vector<PlantQuantity> quantities =
+        quantities_of(field, *other, usual_path(fields, field, element));
     all.insert(all.end(), quantities.begin(), quantities.end());
   }
   const auto rank = [](const PlantQuantity& quantity) {
@@ -189,25 +208,26 @@ std::vector<PlantQuantity> plant_quantities(const XmlDocument& model, const XmlD
   return all;
 }
 
-// The other components keep their digits: where the unit of people would round them, the text is in the
-// file's.
-std::string typed_value(const PlantQuantity& quantity, const XmlDocument& plant, double value) {
-  const ModelField field = sim_board::find_field(plant, quantity.field.key());
+// The other components, and the model's value, keep their digits: where the unit of people would round them,
+// the text is in the file's.
+std::string typed_value(const PlantQuantity& quantity, const XmlDocument& model, double value) {
+  const ModelField& field = quantity.field;
   if (field.content() == XmlContent::kInteger) return number_text(std::round(value));
-  const std::vector<double> in_file = numbers_of(text_in_file(field));
+  const std::vector<double> in_file = numbers_of(quantity.plant_text);
   std::vector<double> shown;
   for (const double number : in_file) shown.push_back(from_file(field, number));
-  shown.at(quantity.component) = rounded(value, quantity.decimals);
+  const bool is_of_model = value == quantity.model;
+  shown.at(quantity.component) = is_of_model ? value : rounded(value, quantity.decimals);
   std::string typed = joined_numbers(shown, quantity.unit);
-  if (in_file.size() == 1) return typed;
   std::vector<double> read;
   try {
-    read = numbers_of(sim_board::file_text(plant, field, typed));
+    read = numbers_of(sim_board::file_text(model, field, typed));
   } catch (const InputError&) {
     return typed;  // the reader says why
   }
   std::vector<double> wanted = in_file;
-  wanted.at(quantity.component) = read.at(quantity.component);
+  wanted.at(quantity.component) =
+      is_of_model ? numbers_of(text_in_file(field)).at(quantity.component) : read.at(quantity.component);
   return read == wanted ? typed : joined_numbers(wanted, {});
 }
 

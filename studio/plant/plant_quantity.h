@@ -14,10 +14,12 @@ namespace koboshi::studio {
 // one in which people read the quantity.
 struct PlantQuantity {
   sim_board::ModelField field{};  // of the model
+  std::string path{};             // shortest usual name that the reader takes: left_shank.com
   std::size_t component = 0;      // of a vector
   std::string group{};            // "collision sole"
   std::string label{};            // "centre of mass z"
   std::string unit{};             // "mm"; empty for ratios and counts
+  std::string plant_text{};       // of the whole value, as in a file
   double model = 0.0;             // the default where the file has no value
   double plant = 0.0;
   // Numbers that the reader of the file permits.
@@ -42,9 +44,9 @@ struct PlantQuantity {
 [[nodiscard]] std::vector<PlantQuantity> plant_quantities(const XmlDocument& model, const XmlDocument& plant,
                                                           const std::string& element);
 
-// The value, as people type it, with which the quantity becomes `value` and its other components stay:
+// The whole value, as people type it, with which the quantity becomes `value` and its other components stay:
 // "80 g", "0 0 10 mm".
-[[nodiscard]] std::string typed_value(const PlantQuantity& quantity, const XmlDocument& plant, double value);
+[[nodiscard]] std::string typed_value(const PlantQuantity& quantity, const XmlDocument& model, double value);
 
 // Whether two texts of a file are the same numbers, or else the same text.
 [[nodiscard]] bool same_value(const std::string& one, const std::string& other);

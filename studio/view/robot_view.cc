@@ -91,27 +91,6 @@ void RobotView::paintEvent(QPaintEvent* /*event*/) {
   if (!has_picture || !error_.isEmpty()) return painter.fillRect(rect(), palette().color(QPalette::Mid));
   painter.setRenderHint(QPainter::SmoothPixmapTransform);
   painter.drawImage(rect(), image_);
-  draw_caption(painter);
-}
-
-void RobotView::set_caption(const QString& caption) {
-  if (std::exchange(caption_, caption) != caption) update();
-}
-
-void RobotView::draw_caption(QPainter& painter) const {
-  if (caption_.isEmpty()) return;
-  constexpr int kMargin = 8;
-  constexpr int kPadding = 5;
-  const QRect inside = rect().adjusted(kMargin, kMargin, -kMargin, -kMargin);
-  const QRect text = painter.boundingRect(inside.adjusted(kPadding, kPadding, -kPadding, -kPadding),
-                                          Qt::AlignLeft | Qt::AlignTop, caption_);
-  QColor ground = palette().color(QPalette::Window);
-  ground.setAlphaF(0.85F);
-  painter.setPen(Qt::NoPen);
-  painter.setBrush(ground);
-  painter.drawRoundedRect(text.adjusted(-kPadding, -kPadding, kPadding, kPadding), 4.0, 4.0);
-  painter.setPen(palette().color(QPalette::WindowText));
-  painter.drawText(text, Qt::AlignLeft | Qt::AlignTop, caption_);
 }
 
 // Draws the picture into image_, or sets the error.

@@ -15,8 +15,6 @@
 #include "studio/view/robot_picture.h"
 #include "studio/view/scaled_framebuffer.h"
 
-class QPainter;
-
 namespace koboshi::studio {
 
 // Shows the picture of a robot and turns what mouse and keyboard do into changes of it and into signals.
@@ -48,10 +46,6 @@ class RobotView final : public QWidget {
   void show_onion(std::vector<view::Ghost> poses);
   void look_from(double azimuth_rad, double elevation_rad);
   void look_at_robot();
-
-  // A text in the corner of the view, of several lines; empty: none.
-  void set_caption(const QString& caption);
-  const QString& caption() const { return caption_; }
 
   void set_pushable(bool pushable) { pushable_ = pushable; }
   // The links that can be posed by dragging: of the second robot if there is one. Empty: none.
@@ -114,7 +108,6 @@ class RobotView final : public QWidget {
   double aspect() const;
   void redraw_moving();
   void draw();
-  void draw_caption(QPainter& painter) const;
   view::Marks all_marks() const;
   bool begin_pose_drag(const QMouseEvent& event);
   void continue_pose_drag(const QPointF& place);
@@ -128,7 +121,6 @@ class RobotView final : public QWidget {
 
   PictureSurface surface_;
   QImage image_;  // as drawn last
-  QString caption_;
   AdaptiveResolution resolution_;
   bool moving_ = false;
   QTimer rest_;

@@ -1,5 +1,6 @@
 #include "studio/window/plant_controller.h"
 
+#include <QLabel>
 #include <filesystem>
 #include <vector>
 
@@ -20,7 +21,14 @@ bool is_same_file(const fs::path& one, const fs::path& other) {
 }  // namespace
 
 PlantController::PlantController(RobotView& view, PlantPanel& panel, RunController& run, QObject* parent)
-    : QObject(parent), view_(view), panel_(panel), run_(run) {
+    : QObject(parent), view_(view), panel_(panel), run_(run), differences_(new QLabel(&view)) {
+  differences_->setObjectName(QStringLiteral("plant_differences"));
+  differences_->setTextFormat(Qt::PlainText);
+  differences_->setAttribute(Qt::WA_TransparentForMouseEvents);
+  differences_->setAutoFillBackground(true);
+  differences_->setMargin(4);
+  differences_->move(8, 8);
+  differences_->hide();
   connect(&run_, &RunController::opened, this, &PlantController::follow_run);
   connect(&panel_, &PlantPanel::start_again_requested, this, &PlantController::restart_requested);
   connect(&panel_, &PlantPanel::open_requested, this,
@@ -57,7 +65,9 @@ void PlantController::show_differences() {
   const qsizetype more = lines.size() - kMaxLines;
   if (more > 0) lines = lines.first(kMaxLines) << tr("and %1 more").arg(more);
   if (!lines.isEmpty()) lines.prepend(tr("Unlike the firmware's model:"));
-  view_.set_caption(lines.join(QLatin1Char('\n')));
+  differences_->setText(lines.join(QLatin1Char('\n')));
+  differences_->adjustSize();
+  differences_->setVisible(!lines.isEmpty());
 }
 
 }  // namespace koboshi::studio

@@ -2,6 +2,8 @@
 
 #include <QObject>
 
+class QLabel;
+
 namespace koboshi::studio {
 
 class PlantPanel;
@@ -28,6 +30,7 @@ class PlantController final : public QObject {
   RobotView& view_;
   PlantPanel& panel_;
   RunController& run_;
+  QLabel* const differences_;  // in the corner of the view, which owns it
 };
 
 }  // namespace koboshi::studio

@@ -3,6 +3,7 @@
 #include <QComboBox>
 #include <QDockWidget>
 #include <QDoubleSpinBox>
+#include <QLabel>
 #include <QLineEdit>
 #include <QMessageBox>
 #include <QPushButton>
@@ -42,6 +43,11 @@ class PlantWindowTest final : public ViewFixture {
   PlantPanel& panel() { return window_->plant(); }
   PlantRow& row(const char* name) { return *panel().row(name); }
   QString shown(int entry, int column) { return panel().list().topLevelItem(entry)->text(column); }
+  // The text in the corner of the view; empty: none.
+  QString caption() {
+    const auto* label = window_->view().findChild<QLabel*>(QStringLiteral("plant_differences"));
+    return label->isVisible() ? label->text() : QString();
+  }
   std::string file_text() const { return read_text_file(file_, "a scenario"); }
   void start_again() {
     QSignalSpy opened(&window_->run(), &RunController::opened);
@@ -97,12 +103,12 @@ class PlantWindowTest final : public ViewFixture {
     QCOMPARE(row("left_shank.mass").box()->value(), 92.0);
     QVERIFY(panel().effect().contains(QLatin1String("Start again")));
     QVERIFY(window_->windowTitle().startsWith(QStringLiteral("squat.yaml*")));
-    QVERIFY(window_->view().caption().isEmpty());    // the run is as it was
+    QVERIFY(caption().isEmpty());                    // the run is as it was
     QVERIFY(panel().undo() && !panel().modified());  // the drag was one step
     QVERIFY(panel().redo());
 
     start_again();
-    QVERIFY(window_->view().caption().contains(QLatin1String("left_shank.mass = 92 g (model: 50 g)")));
+    QVERIFY(caption().contains(QLatin1String("left_shank.mass = 92 g (model: 50 g)")));
     QVERIFY2(panel().effect().contains(QLatin1String("has these values")), qPrintable(panel().effect()));
     const std::uint64_t heavier = hash_of_run();
     QVERIFY(heavier != as_modelled);
@@ -112,7 +118,7 @@ class PlantWindowTest final : public ViewFixture {
     panel().list().findChild<QToolButton*>(QStringLiteral("remove_plant"))->click();
     QTRY_COMPARE(panel().list().topLevelItemCount(), 0);
     start_again();
-    QVERIFY(window_->view().caption().isEmpty());
+    QVERIFY(caption().isEmpty());
     QCOMPARE(hash_of_run(), as_modelled);
     QVERIFY(file_text() == read_text_file(kRoot / "scenarios/squat.yaml", "a scenario"));
   }
