@@ -246,7 +246,9 @@ std::vector<PlantDocument::Entry> PlantDocument::entries_of(
   for (const simulation::PlantSetting& setting : settings) {
     Entry& entry = entries.emplace_back(Entry{.path = setting.field.text, .value = setting.value});
     const sim_board::ModelField* field = find_field_at(entry.path);
+    entry.shown = entry.value;
     if (field == nullptr) continue;
+    entry.shown = shown_typed(model_, *field, entry.value);
     entry.key = field->key();
     entry.model = shown_value(*field);
   }
@@ -254,7 +256,7 @@ std::vector<PlantDocument::Entry> PlantDocument::entries_of(
 }
 
 std::string PlantDocument::text_of(const Entry& entry) {
-  return entry.path + " = " + entry.value + (entry.model.empty() ? "" : " (model: " + entry.model + ")");
+  return entry.path + " = " + entry.shown + (entry.model.empty() ? "" : " (model: " + entry.model + ")");
 }
 
 // --- Edits

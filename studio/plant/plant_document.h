@@ -29,6 +29,7 @@ class PlantDocument final : public TextDocument {
   struct Entry {
     std::string path{};   // left_shank.mass
     std::string value{};  // 80 g
+    std::string shown{};  // the value in the unit of people
     std::string key{};    // of the field, as ModelField::key(); empty: the robot does not have it
     std::string model{};  // value of the model, 50 g; empty: it has none
   };

@@ -7,7 +7,7 @@ namespace koboshi::studio {
 
 PlantList::PlantList(QWidget* parent) : QTreeWidget(parent) {
   setColumnCount(kColumns);
-  setHeaderLabels({tr("Differs"), tr("Simulated robot"), tr("Model"), QString()});
+  setHeaderLabels({tr("Quantity"), tr("Simulated robot"), tr("Model"), QString()});
   setRootIsDecorated(false);
   setUniformRowHeights(true);
   setAlternatingRowColors(true);
@@ -28,7 +28,7 @@ void PlantList::show_entries(const std::vector<PlantDocument::Entry>& entries) {
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const PlantDocument::Entry& entry = entries[i];
     auto* item =
-        new QTreeWidgetItem(this, {QString::fromStdString(entry.path), QString::fromStdString(entry.value),
+        new QTreeWidgetItem(this, {QString::fromStdString(entry.path), QString::fromStdString(entry.shown),
                                    QString::fromStdString(entry.model)});
     item->setToolTip(kQuantity, QString::fromStdString(PlantDocument::text_of(entry)));
     auto* remove = new QToolButton;

@@ -4,6 +4,7 @@
 #include <QCheckBox>
 #include <QComboBox>
 #include <QDateTime>
+#include <QDoubleSpinBox>
 #include <QFileDialog>
 #include <QGridLayout>
 #include <QHBoxLayout>
@@ -158,7 +159,7 @@ void PlantPanel::build_layout() {
   split->addWidget(area_);
   split->addWidget(below);
   split->setStretchFactor(0, 3);
-  split->setStretchFactor(1, 1);
+  split->setStretchFactor(1, 2);
   split->setChildrenCollapsible(false);
   auto* last = new QHBoxLayout;
   last->setContentsMargins(6, 2, 4, 4);
@@ -343,23 +344,32 @@ void PlantPanel::build_rows() {
   grid->setHorizontalSpacing(6);
   grid->setVerticalSpacing(1);
   grid->setColumnStretch(1, 1);
-  if (document_) {
-    std::string group;
-    for (const PlantQuantity& quantity :
-         plant_quantities(document_->model(), document_->plant(), chosen().toStdString())) {
-      if (quantity.group != group) {
-        group = quantity.group;
-        auto* heading =
-            new QLabel(QStringLiteral("<b>%1</b>").arg(QString::fromStdString(group).toHtmlEscaped()));
-        heading->setProperty("verbatim", true);
-        heading->setContentsMargins(0, 5, 0, 0);
-        grid->addWidget(heading, grid->rowCount(), 0, 1, 5);
-      }
-      add_row(quantity, *grid, *content);
-    }
+  std::string group;
+  const auto quantities =
+      document_ ? plant_quantities(document_->model(), document_->plant(), chosen().toStdString())
+                : std::vector<PlantQuantity>();
+  for (const PlantQuantity& quantity : quantities) {
+    if (quantity.group != group) add_heading(quantity.group, group.empty(), *grid);
+    group = quantity.group;
+    add_row(quantity, *grid, *content);
   }
+  int width = 0;
+  for (const PlantRow* row : rows_) width = std::max(width, row->box_width());
+  for (const PlantRow* row : rows_) row->box()->setFixedWidth(width);
   grid->setRowStretch(grid->rowCount(), 1);
   area_->setWidget(content);
+}
+
+// The first heading also names the columns.
+void PlantPanel::add_heading(const std::string& group, bool is_first, QGridLayout& grid) {
+  const int line = grid.rowCount();
+  auto* heading = new QLabel(QStringLiteral("<b>%1</b>").arg(QString::fromStdString(group).toHtmlEscaped()));
+  heading->setProperty("verbatim", true);
+  heading->setContentsMargins(0, 5, 0, 0);
+  grid.addWidget(heading, line, 0, 1, 2);
+  if (!is_first) return;
+  grid.addWidget(new QLabel(tr("Simulated robot")), line, 2, Qt::AlignRight | Qt::AlignBottom);
+  grid.addWidget(new QLabel(tr("Model")), line, 3, Qt::AlignRight | Qt::AlignBottom);
 }
 
 void PlantPanel::add_row(const PlantQuantity& quantity, QGridLayout& grid, QWidget& content) {

@@ -94,6 +94,7 @@ class PlantPanel final : public QWidget {
   void follow_document();
   void fill_elements();
   void build_rows();
+  void add_heading(const std::string& group, bool is_first, QGridLayout& grid);
   void add_row(const PlantQuantity& quantity, QGridLayout& grid, QWidget& content);
   void edit(const PlantQuantity& quantity, double value, bool drags);
   void add_typed();

@@ -126,6 +126,18 @@ std::string component_name(std::size_t component, std::size_t components) {
                                      : " " + std::to_string(component + 1);
 }
 
+// "torque constant" for torque_constant_Nm_per_A: the unit is beside the number.
+std::string label_without_unit(std::string label) {
+  constexpr std::array<std::string_view, 13> kUnits{"Nm", "per", "A",   "ohm", "V", "kg", "m2",
+                                                    "s",  "ms",  "rad", "C",   "K", "W"};
+  for (std::size_t at = label.rfind('_'); at != std::string::npos && at > 0; at = label.rfind('_')) {
+    if (std::ranges::find(kUnits, std::string_view(label).substr(at + 1)) == kUnits.end()) break;
+    label.resize(at);
+  }
+  std::ranges::replace(label, '_', ' ');
+  return label;
+}
+
 // The usual name of a value, if it is the reader's name of this field; else the field's path.
 std::string usual_path(const std::vector<ModelField>& fields, const ModelField& field,
                        const std::string& element) {
@@ -151,7 +163,7 @@ std::vector<PlantQuantity> quantities_of(const ModelField& model, const ModelFie
     quantity.path = path;
     quantity.plant_text = text_in_file(plant);
     quantity.group = group_of(model);
-    quantity.label = label_of(model) + component_name(i, components);
+    quantity.label = label_without_unit(label_of(model)) + component_name(i, components);
     quantity.unit = sim_board::shown_unit(model);
     quantity.model = from_file(model, before[i]);
     quantity.plant = from_file(model, now[i]);
@@ -241,6 +253,16 @@ std::string shown_value(const ModelField& field) {
   const std::string unit = sim_board::shown_unit(field);
   if (value.empty()) return {};
   return sim_board::shown_text(field, value) + (unit.empty() ? "" : " " + unit);
+}
+
+std::string shown_typed(const XmlDocument& model, const ModelField& field, const std::string& typed) {
+  try {
+    ModelField changed = field;
+    changed.value = sim_board::file_text(model, field, typed);
+    return shown_value(changed);
+  } catch (const InputError&) {
+    return typed;
+  }
 }
 
 }  // namespace koboshi::studio

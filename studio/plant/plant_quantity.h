@@ -54,4 +54,8 @@ struct PlantQuantity {
 // The value of a field in a robot's text with its unit, "50 g", also a default; empty if there is none.
 [[nodiscard]] std::string shown_value(const sim_board::ModelField& field);
 
+// The same of a value that somebody has typed; a text that does not fit stays.
+[[nodiscard]] std::string shown_typed(const XmlDocument& model, const sim_board::ModelField& field,
+                                      const std::string& typed);
+
 }  // namespace koboshi::studio

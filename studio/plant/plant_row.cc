@@ -16,10 +16,11 @@ namespace koboshi::studio {
 namespace {
 
 constexpr int kSliderSteps = 1000;
-constexpr int kBoxDigits = 15;  // wide enough for 1 nm in a metre with its unit
+
+QString number_text_of(double value) { return QLocale::c().toString(value, 'g', 10); }
 
 QString number_with_unit(const PlantQuantity& quantity, double value) {
-  const QString text = QLocale::c().toString(value, 'g', 10);
+  const QString text = number_text_of(value);
   return quantity.unit.empty() ? text : text + QLatin1Char(' ') + QString::fromStdString(quantity.unit);
 }
 
@@ -27,7 +28,7 @@ QString number_with_unit(const PlantQuantity& quantity, double value) {
 
 PlantRow::PlantRow(const PlantQuantity& quantity, QGridLayout& grid, QObject* parent)
     : QObject(parent),
-      name_(new QLabel(QString::fromStdString(quantity.label).replace(QLatin1Char('_'), QLatin1Char(' ')))),
+      name_(new QLabel(QString::fromStdString(quantity.label))),
       slider_(new JumpSlider(Qt::Horizontal)),
       box_(new QDoubleSpinBox),
       model_(new QLabel),
@@ -43,7 +44,6 @@ PlantRow::PlantRow(const PlantQuantity& quantity, QGridLayout& grid, QObject* pa
   box_->setKeyboardTracking(false);
   box_->setAlignment(Qt::AlignRight);
   box_->setAccessibleName(accessible);
-  box_->setFixedWidth(kBoxDigits * box_->fontMetrics().horizontalAdvance(QLatin1Char('0')));
   // Words of the table of keys, which are not translated.
   name_->setProperty("verbatim", true);
   model_->setProperty("verbatim", true);
@@ -64,6 +64,16 @@ PlantRow::PlantRow(const PlantQuantity& quantity, QGridLayout& grid, QObject* pa
   connect(slider_, &QSlider::sliderReleased, this, &PlantRow::drag_ended);
   connect(box_, &QDoubleSpinBox::valueChanged, this, [this](double value) { Q_EMIT edited(value, false); });
   connect(reset_, &QToolButton::clicked, this, &PlantRow::reset_wanted);
+}
+
+// The range of the number is often that of all robots, and its ends are long.
+int PlantRow::box_width() const {
+  constexpr int kButtons_px = 34;
+  int width = 0;
+  for (const double value : {quantity_.slider_low, quantity_.slider_high, quantity_.plant})
+    width = std::max(width, box_->fontMetrics().horizontalAdvance(
+                                QLocale::c().toString(value, 'f', quantity_.decimals) + box_->suffix()));
+  return width + kButtons_px;
 }
 
 // The place nearest to the model's value is that value.
@@ -112,7 +122,7 @@ void PlantRow::show(const PlantQuantity& quantity) {
   QFont font = name_->font();
   font.setBold(quantity_.differs());
   name_->setFont(font);
-  model_->setText(number_with_unit(quantity_, quantity_.model));
+  model_->setText(number_text_of(quantity_.model));
   reset_->setEnabled(quantity_.differs());
   const QString words = tip();
   for (QWidget* widget : std::initializer_list<QWidget*>{name_, slider_, box_, model_})

@@ -27,6 +27,8 @@ class PlantRow final : public QObject {
   void show(const PlantQuantity& quantity);
   QSlider* slider() const { return slider_; }
   QDoubleSpinBox* box() const { return box_; }
+  // The width that the number needs within the slider's range.
+  int box_width() const;
   QToolButton* reset() const { return reset_; }
 
  Q_SIGNALS:

@@ -70,7 +70,7 @@ TEST_F(PlantDocumentTest, AddsChangesAndRemovesTheBytesOfItsEntries) {
   EXPECT_EQ(document->text(), replaced(with_mass, "80 g\n", "80 g\n  trunk.com: 0 0 10 mm\n"));
   document->set({{"left_shank.inertial.mass", "0.09"}}, Sides::kOne);  // the same quantity
   ASSERT_EQ(document->entries().size(), 2U);
-  EXPECT_EQ(PlantDocument::text_of(document->entries()[0]), "left_shank.mass = 0.09 (model: 50 g)");
+  EXPECT_EQ(PlantDocument::text_of(document->entries()[0]), "left_shank.mass = 90 g (model: 50 g)");
   document->save();
   const auto plant = simulation::read_scenario(file_).plant;
   ASSERT_EQ(plant.size(), 2U);

@@ -51,6 +51,8 @@ TEST(PlantQuantity, IsInUnitsOfPeopleWithARangeAroundTheModel) {
   EXPECT_GT(com.slider_high, -15.0);
   const PlantQuantity& backlash = named(quantities("krs_2552"), "krs_2552.backlash_rad");
   EXPECT_EQ(backlash.unit, "deg");
+  EXPECT_EQ(backlash.label, "backlash");
+  EXPECT_EQ(named(quantities("krs_2552"), "krs_2552.torque_constant_Nm_per_A").label, "torque constant");
   EXPECT_EQ(backlash.slider_low, 0.0);
 }
 
