@@ -211,7 +211,7 @@ QString PlantPanel::differences() const {
   QStringList lines;
   if (running_ && document_)
     for (const PlantDocument::Entry& entry : document_->entries_of(*running_))
-      lines << QString::fromStdString(PlantDocument::text_of(entry));
+      lines << QString::fromStdString(entry.path + " = " + entry.shown);
   return lines.join(QLatin1Char('\n'));
 }
 

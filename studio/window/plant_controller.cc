@@ -1,6 +1,5 @@
 #include "studio/window/plant_controller.h"
 
-#include <QEvent>
 #include <QLabel>
 #include <filesystem>
 #include <vector>
@@ -28,7 +27,7 @@ PlantController::PlantController(RobotView& view, PlantPanel& panel, RunControll
   differences_->setAttribute(Qt::WA_TransparentForMouseEvents);
   differences_->setAutoFillBackground(true);
   differences_->setMargin(4);
-  view_.installEventFilter(this);
+  differences_->move(8, 8);
   differences_->hide();
   connect(&run_, &RunController::opened, this, &PlantController::follow_run);
   connect(&panel_, &PlantPanel::start_again_requested, this, &PlantController::restart_requested);
@@ -69,18 +68,6 @@ void PlantController::show_differences() {
   differences_->setText(lines.join(QLatin1Char('\n')));
   differences_->adjustSize();
   differences_->setVisible(!lines.isEmpty());
-  place_differences();
-}
-
-// At the bottom: the robot stands above.
-void PlantController::place_differences() {
-  constexpr int kMargin_px = 8;
-  differences_->move(kMargin_px, view_.height() - differences_->height() - kMargin_px);
-}
-
-bool PlantController::eventFilter(QObject* watched, QEvent* event) {
-  if (event->type() == QEvent::Resize) place_differences();
-  return QObject::eventFilter(watched, event);
 }
 
 }  // namespace koboshi::studio

@@ -23,13 +23,9 @@ class PlantController final : public QObject {
   // The run is to open again.
   void restart_requested();
 
- protected:
-  bool eventFilter(QObject* watched, QEvent* event) override;
-
  private:
   void follow_run();
   void show_differences();
-  void place_differences();
 
   RobotView& view_;
   PlantPanel& panel_;

@@ -31,7 +31,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 std::uint64_t hash_of(const simulation::Scenario& scenario) {
   Session session(scenario);
-  session.step(300);
+  session.step(100);
   return session.state_hash();
 }
 
@@ -202,7 +202,7 @@ TEST_F(PlantDocumentTest, GivesTheRunOfTheOption) {
                                    text_override("plant.krs_2552.resistance_ohm", "9", "--plant")}));
   EXPECT_NE(of_option, as_modelled);
   Session session(simulation::read_scenario(file_, std::vector<Override>{document->override_value()}));
-  session.step(300);
+  session.step(100);
   EXPECT_EQ(session.state_hash(), of_option);
   const fs::path played = folder_.path / "played.yaml";
   test::write_file(played, simulation::played_text(session.played(), folder_.path));

@@ -35,7 +35,7 @@ class PlantWindowTest final : public ViewFixture {
   Q_OBJECT
 
  private:
-  static constexpr std::uint64_t kRun_us = 200'000;
+  static constexpr std::uint64_t kRun_us = 100'000;
 
   std::unique_ptr<QTemporaryDir> folder_;
   std::filesystem::path file_;
@@ -108,7 +108,7 @@ class PlantWindowTest final : public ViewFixture {
     QVERIFY(panel().redo());
 
     start_again();
-    QVERIFY(caption().contains(QLatin1String("left_shank.mass = 92 g (model: 50 g)")));
+    QVERIFY(caption().contains(QLatin1String("left_shank.mass = 92 g")));
     QVERIFY2(panel().effect().contains(QLatin1String("has these values")), qPrintable(panel().effect()));
     const std::uint64_t heavier = hash_of_run();
     QVERIFY(heavier != as_modelled);
@@ -123,37 +123,7 @@ class PlantWindowTest final : public ViewFixture {
     QVERIFY(file_text() == read_text_file(kRoot / "scenarios/squat.yaml", "a scenario"));
   }
 
-  void saves_into_the_scenario_and_shows_what_is_in_it() {
-    open(file_);
-    type("trunk.com = 0 0 10mm");
-    panel().choose(QStringLiteral("left_foot"));
-    panel().row("left_foot.friction")->box()->setValue(0.3);
-    QCOMPARE(panel().list().topLevelItemCount(), 2);
-    QCOMPARE(window_->documents().active(), Documents::kScenario);
-    window_->documents().save();
-    QVERIFY(!panel().modified());
-    QVERIFY(file_text().find("plant:\n  trunk.com: 0 0 10mm\n  left_foot.friction: 0.3\n") !=
-            std::string::npos);
-    const std::uint64_t of_option = hash_of_option(
-        kRoot / "scenarios/squat.yaml", {{"trunk.com", "0 0 10 mm"}, {"left_foot.friction", "0.3"}});
-    QCOMPARE(hash_of_option(file_, {}), of_option);
-    open(file_);
-    QCOMPARE(panel().list().topLevelItemCount(), 2);
-    QCOMPARE(shown(1, PlantList::kModel), QStringLiteral("0.8"));
-    QCOMPARE(hash_of_run(), of_option);
-    // Into another file, which is then open.
-    type("left_shank.mass=60 g");
-    QSignalSpy opened(&window_->run(), &RunController::opened);
-    const std::filesystem::path other = file_.parent_path() / "heavy.yaml";
-    QVERIFY(panel().save_as(other));
-    QVERIFY(opened.wait(kPatience_ms));
-    QCOMPARE(window_->run().file(), other);
-    QCOMPARE(panel().document()->file(), other);
-    QCOMPARE(panel().list().topLevelItemCount(), 3);
-    QVERIFY(!panel().modified());
-  }
-
-  void says_what_it_refuses() {
+  void says_what_it_refuses_and_saves_the_rest() {
     open(file_);
     const auto refusal = [this](const char* entry) {
       type(entry);
@@ -180,6 +150,34 @@ class PlantWindowTest final : public ViewFixture {
     QCOMPARE(question->informativeText(), QStringLiteral("Scenario: squat.yaml"));
     question->button(QMessageBox::Cancel)->click();
     QVERIFY(panel().modified());
+    QVERIFY(panel().undo());
+
+    type("trunk.com = 0 0 10mm");
+    panel().choose(QStringLiteral("left_foot"));
+    panel().row("left_foot.friction")->box()->setValue(0.3);
+    QCOMPARE(panel().list().topLevelItemCount(), 2);
+    QCOMPARE(window_->documents().active(), Documents::kScenario);
+    window_->documents().save();
+    QVERIFY(!panel().modified());
+    QVERIFY(file_text().find("plant:\n  trunk.com: 0 0 10mm\n  left_foot.friction: 0.3\n") !=
+            std::string::npos);
+    const std::uint64_t of_option = hash_of_option(
+        kRoot / "scenarios/squat.yaml", {{"trunk.com", "0 0 10 mm"}, {"left_foot.friction", "0.3"}});
+    QCOMPARE(hash_of_option(file_, {}), of_option);
+    open(file_);
+    QCOMPARE(panel().list().topLevelItemCount(), 2);
+    QCOMPARE(shown(1, PlantList::kModel), QStringLiteral("0.8"));
+    QCOMPARE(hash_of_run(), of_option);
+    // Into another file, which is then open.
+    type("left_shank.mass=60 g");
+    QSignalSpy opened(&window_->run(), &RunController::opened);
+    const std::filesystem::path other = file_.parent_path() / "heavy.yaml";
+    QVERIFY(panel().save_as(other));
+    QVERIFY(opened.wait(kPatience_ms));
+    QCOMPARE(window_->run().file(), other);
+    QCOMPARE(panel().document()->file(), other);
+    QCOMPARE(panel().list().topLevelItemCount(), 3);
+    QVERIFY(!panel().modified());
   }
 
   // For eyes: KOBOSHI_PICTURES names a folder.
