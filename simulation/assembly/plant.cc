@@ -9,16 +9,22 @@
 
 namespace koboshi::simulation {
 
-std::optional<sim_board::RobotDescription> read_plant(const Scenario& scenario) {
-  if (scenario.plant.empty()) return std::nullopt;
-  XmlDocument document(scenario.robot);
-  for (const PlantSetting& setting : scenario.plant) {
+void apply_plant(XmlDocument& robot, std::span<const PlantSetting> plant) {
+  XmlDocument edited = robot;
+  for (const PlantSetting& setting : plant) {
     try {
-      sim_board::edit_settings(document, {{setting.field.text, setting.value}}, sim_board::Sides::kOne);
+      sim_board::edit_settings(edited, {{setting.field.text, setting.value}}, sim_board::Sides::kOne);
     } catch (const InputError& error) {
       throw InputError(setting.field.source, setting.field.line, error.found(), error.expected());
     }
   }
+  robot = std::move(edited);
+}
+
+std::optional<sim_board::RobotDescription> read_plant(const Scenario& scenario) {
+  if (scenario.plant.empty()) return std::nullopt;
+  XmlDocument document(scenario.robot);
+  apply_plant(document, scenario.plant);
   return sim_board::load_robot(document.source(), document.text());
 }
 

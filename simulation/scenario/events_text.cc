@@ -87,6 +87,12 @@ std::string played_text(const Scenario& played, const std::filesystem::path& fol
          events_text(played);
 }
 
+YamlNode with_moved_files(YamlNode document, const std::filesystem::path& from,
+                          const std::filesystem::path& to) {
+  move_files(document, from, to);
+  return document;
+}
+
 std::string events_text(const Scenario& scenario) {
   std::string text = "duration_s: " + seconds(scenario.duration_us) + "\n";
   if (!scenario.commands.empty()) text += "commands:\n";

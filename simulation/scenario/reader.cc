@@ -239,6 +239,12 @@ RobotParameters read_robot_parameters(const YamlFile& yaml) {
   return parameters;
 }
 
+std::vector<PlantSetting> read_plant_settings(const YamlMap& root) {
+  std::vector<PlantSetting> plant;
+  if (const auto map = root.optional_child("plant")) add_plant(*map, "", plant);
+  return plant;
+}
+
 Scenario read_scenario(const fs::path& file, std::span<const Override> overrides) {
   const YamlFile yaml(file, overrides);
   const YamlMap root = yaml.root();
@@ -249,7 +255,7 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   root.require_version(1);
   scenario.robot = read_input(root.value("robot"), folder, InputKind::kRobot);
   scenario.robot_parameters = read_robot_parameters(scenario.robot);
-  if (const auto plant = root.optional_child("plant")) add_plant(*plant, "", scenario.plant);
+  scenario.plant = read_plant_settings(root);
   scenario.motions = read_motions(root, folder, scenario.robot, scenario.missing_motions);
   scenario.gait = read_gait(root, folder, scenario.robot);
   scenario.duration_us = to_us(root.number("duration_s", {.min = 0.01, .max = kMaxRun_s}));

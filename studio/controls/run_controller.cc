@@ -66,6 +66,7 @@ void RunController::open_scenario(const std::filesystem::path& file, std::span<c
   std::vector<Override> all(overrides.begin(), overrides.end());
   if (std::ranges::find(all, "robot", &Override::path) == all.end())
     std::ranges::copy(overrides_of_scenarios(), std::back_inserter(all));
+  if (edits_) std::ranges::copy(edits_(file), std::back_inserter(all));
   open(file,
        [file, prepare = preparation_ ? preparation_() : Preparation(), all = std::move(all)]() -> Opened {
          simulation::Scenario scenario = simulation::read_scenario(file, all);

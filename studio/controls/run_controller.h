@@ -62,6 +62,10 @@ class RunController final : public QObject {  // Large: what every panel may ask
   // in another thread, before it is compiled.
   using Preparation = std::function<void(simulation::Scenario&)>;
   void set_preparation(std::function<Preparation()> provider) { preparation_ = std::move(provider); }
+  // A scenario that is opened from now on has the overrides that `provider` gives for its file at that time:
+  // edits of it that are not saved.
+  using Edits = std::function<std::vector<Override>(const std::filesystem::path& scenario)>;
+  void set_edits(Edits provider) { edits_ = std::move(provider); }
   // Every scenario that is opened from now on has the robot of this file instead of its own.
   void set_robot_of_scenarios(const std::filesystem::path& robot) {
     robot_of_scenarios_ = std::filesystem::absolute(robot);
@@ -139,6 +143,7 @@ class RunController final : public QObject {  // Large: what every panel may ask
   Source source_ = Source::kNone;
   std::filesystem::path file_;
   std::function<Preparation()> preparation_;
+  Edits edits_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<BusMonitor> bus_;
   std::string bus_address_;

@@ -10,6 +10,7 @@
 
 #include "base/text/text.h"
 #include "sim_board/description/edit/field_value.h"
+#include "studio/model/field_labels.h"
 
 namespace koboshi::studio {
 namespace {
@@ -17,37 +18,6 @@ namespace {
 enum Role { kKeyRole = Qt::UserRole + 1, kTypedRole };
 
 QString qt_text(const std::string& text) { return QString::fromStdString(text); }
-
-// Elements whose name says nothing beside that of the value.
-bool is_wrapper(const std::string& tag) {
-  constexpr std::array kWrappers = {"geometry", "mesh",   "box",          "surface",  "friction",
-                                    "contact",  "bounce", "ode",          "material", "limit",
-                                    "inertia",  "pose",   "force_torque", "xyz",      "axis"};
-  return std::ranges::find(kWrappers, tag) != kWrappers.end();
-}
-
-// "gyro noise_density"; a pose's own attributes keep its name.
-QString label_of(const sim_board::ModelField& field) {
-  std::string label;
-  for (std::size_t i = 2;
-       i + (field.attribute != nullptr || field.part != sim_board::PosePart::kWhole ? 0 : 1) <
-       field.steps.size();
-       ++i)
-    if (const std::string tag = sim_board::plain_tag(field.steps[i].rule->name); !is_wrapper(tag))
-      label += tag + " ";
-  return qt_text(label + sim_board::field_label(field));
-}
-
-// Whether a panel shows the field: halves instead of whole poses, and missing fields only if the file can
-// take them alone.
-bool is_shown(const sim_board::ModelField& field) {
-  if (field.part == sim_board::PosePart::kWhole && field.attribute == nullptr && field.numbers() == 6)
-    return false;
-  if (field.value) return true;
-  const std::size_t holders = field.steps.size() - (field.attribute != nullptr ? 0 : 1);
-  return std::all_of(field.steps.begin(), field.steps.begin() + static_cast<std::ptrdiff_t>(holders),
-                     [](const auto& step) { return step.number.has_value(); });
-}
 
 QString range_text(const sim_board::ModelField& field) {
   const NumberRange& range = field.range();
@@ -159,14 +129,11 @@ std::vector<FieldView::Group> FieldView::groups_of(const ModelDocument& document
   std::vector<Group> groups;
   for (const sim_board::ModelField& field : fields_) {
     if (!is_shown(field)) continue;
-    const bool is_inner = field.steps.size() > 1 && field.steps[1].rule->content == XmlContent::kChildren;
-    const sim_board::ModelField::Step& at = field.steps[is_inner ? 1 : 0];
-    QString title = qt_text(sim_board::plain_tag(at.rule->name));
-    if (!at.name.empty()) title += QLatin1Char(' ') + qt_text(at.name);
+    const QString title = qt_text(group_of(field));
     auto found = std::ranges::find(groups, title, &Group::title);
     if (found == groups.end()) {
       sim_board::ModelField owner = field;
-      owner.steps.resize(is_inner ? 2 : 1);
+      owner.steps.resize(has_inner_group(field) ? 2 : 1);
       const auto path = owner.element_path(document.xml());
       groups.push_back({title, path ? document.xml().find(*path)->line : 0});
       found = groups.end() - 1;
@@ -213,7 +180,7 @@ QStandardItem* FieldView::finding_item(const tools::ModelFinding& finding) const
 }
 
 QList<QStandardItem*> FieldView::row_of(const sim_board::ModelField& field) const {
-  auto* name = new QStandardItem(label_of(field));
+  auto* name = new QStandardItem(qt_text(label_of(field)));
   const bool is_missing = !field.value;
   const std::string value = field.value.value_or(field.fallback());
   // A unit other than the file's stands in the text that is edited: a number without one is in the file's.

@@ -14,6 +14,7 @@
 
 #include "studio/model/model_panel.h"
 #include "studio/motion_editor/motion_panel.h"
+#include "studio/plant/plant_panel.h"
 #include "studio/tuning/parameter_panel.h"
 #include "studio/window/panels.h"
 #include "studio/window/tuning_panels.h"
@@ -49,6 +50,7 @@ Documents::Documents(QMainWindow& window, Panels& panels)
   };
   connect(&panels_.motion(), &MotionPanel::edited, this, [this] { activate(kMotion); });
   connect(&panels_.model(), &ModelPanel::edited, this, [this] { activate(kRobot); });
+  connect(&panels_.plant(), &PlantPanel::edited, this, [this] { activate(kScenario); });
   connect(&parameters, &ParameterEditor::edited, this, activate_shown);
   connect(&parameters, &ParameterEditor::opened, this, [this, activate_shown] {
     if (active_ == kParameters || active_ == kGait) activate_shown();
@@ -56,9 +58,11 @@ Documents::Documents(QMainWindow& window, Panels& panels)
   });
   connect(&panels_.motion(), &MotionPanel::edited, this, &Documents::edited);
   connect(&panels_.model(), &ModelPanel::edited, this, &Documents::edited);
+  connect(&panels_.plant(), &PlantPanel::edited, this, &Documents::edited);
   connect(&parameters, &ParameterEditor::edited, this, &Documents::edited);
   connect(&panels_.motion(), &MotionPanel::title_changed, this, &Documents::changed);
   connect(&panels_.model(), &ModelPanel::title_changed, this, &Documents::changed);
+  connect(&panels_.plant(), &PlantPanel::title_changed, this, &Documents::changed);
   connect(&parameters, &ParameterEditor::changed, this, &Documents::changed);
   panels_.motion().set_keys_everywhere(true);
 }
@@ -68,6 +72,7 @@ void Documents::watch_panels(QMainWindow& window) {
     const auto is_in = [of](const QWidget& panel) { return &panel == of || panel.isAncestorOf(of); };
     if (is_in(panels_.motion())) activate(kMotion);
     if (is_in(panels_.model())) activate(kRobot);
+    if (is_in(panels_.plant())) activate(kScenario);
     if (is_in(panels_.tuning().parameters()))
       activate(panels_.tuning().parameters().editor().shown() == ParameterEditor::kGait ? kGait
                                                                                         : kParameters);
@@ -101,6 +106,8 @@ const TextDocument* Documents::document(Kind kind) const {
       return parameters.document(ParameterEditor::kRobot);
     case kGait:
       return parameters.document(ParameterEditor::kGait);
+    case kScenario:
+      return panels_.plant().document();
     case kKinds:
       break;
   }
@@ -122,6 +129,8 @@ QString Documents::kind_name(Kind kind) const {
       return tr("Parameters");
     case kGait:
       return tr("Gait");
+    case kScenario:
+      return tr("Scenario");
     case kKinds:
       break;
   }
@@ -136,6 +145,7 @@ QString Documents::file_name(Kind kind) const {
 
 QString Documents::dock(Kind kind) const {
   if (kind == kMotion) return QStringLiteral("motion");
+  if (kind == kScenario) return QStringLiteral("plant");
   return kind == kRobot ? QStringLiteral("model") : QStringLiteral("parameters");
 }
 
@@ -162,6 +172,8 @@ void Documents::travel(const QString& nothing, const QString& done, bool back) {
     back ? panels_.motion().undo() : panels_.motion().redo();
   } else if (active_ == kRobot) {
     back ? panels_.model().undo() : panels_.model().redo();
+  } else if (active_ == kScenario) {
+    back ? panels_.plant().undo() : panels_.plant().redo();
   } else {
     ParameterEditor& editor = panels_.tuning().parameters().editor();
     back ? editor.undo() : editor.redo();
@@ -188,6 +200,7 @@ void Documents::save() {
 bool Documents::save(Kind kind) {
   if (kind == kMotion) return panels_.motion().save();
   if (kind == kRobot) return panels_.model().save();
+  if (kind == kScenario) return panels_.plant().save();
   ParameterPanel& parameters = panels_.tuning().parameters();
   parameters.editor().show(kind == kGait ? ParameterEditor::kGait : ParameterEditor::kRobot);
   return parameters.save();
@@ -207,6 +220,7 @@ void Documents::discard(const std::vector<Kind>& kinds) {
   for (const Kind kind : kinds) {
     if (kind == kParameters) editor.discard(ParameterEditor::kRobot);
     if (kind == kGait) editor.discard(ParameterEditor::kGait);
+    if (kind == kScenario) panels_.plant().discard();
   }
 }
 
@@ -248,6 +262,7 @@ bool Documents::settle_now(const QString& title) {
 void Documents::keep_recoveries() {
   panels_.motion().keep_recovery();
   panels_.model().keep_recovery();
+  panels_.plant().keep_recovery();
   panels_.tuning().parameters().editor().keep_recoveries();
 }
 

@@ -17,14 +17,14 @@ namespace koboshi::studio {
 
 class Panels;
 
-// The documents of the window: a motion, a robot, its parameters, and a gait. One of them is the active one.
-// Save, undo and redo act on it, wherever the keyboard is. The one becomes active whose panel gets the
-// keyboard or comes to the front, or that was edited last, also by the mouse in the view.
+// The documents of the window: a motion, a robot, its parameters, a gait, and the scenario. One of them is
+// the active one. Save, undo and redo act on it, wherever the keyboard is. The one becomes active whose panel
+// gets the keyboard or comes to the front, or that was edited last, also by the mouse in the view.
 class Documents final : public QObject {
   Q_OBJECT
 
  public:
-  enum Kind { kMotion, kRobot, kParameters, kGait, kKinds };
+  enum Kind { kMotion, kRobot, kParameters, kGait, kScenario, kKinds };
 
   // Both must outlive this object.
   Documents(QMainWindow& window, Panels& panels);

@@ -23,6 +23,7 @@
 #include "studio/controls/transport_bar.h"
 #include "studio/model/model_panel.h"
 #include "studio/motion_editor/motion_panel.h"
+#include "studio/plant/plant_panel.h"
 #include "studio/widgets/command_search.h"
 #include "studio/widgets/keyboard.h"
 #include "studio/widgets/message_bar.h"
@@ -30,6 +31,7 @@
 #include "studio/window/model_controller.h"
 #include "studio/window/motion_playback.h"
 #include "studio/window/panels.h"
+#include "studio/window/plant_controller.h"
 #include "studio/window/pose_controller.h"
 #include "studio/window/tuning_panels.h"
 #include "view/render/playback.h"
@@ -61,6 +63,7 @@ MainWindow::MainWindow(const std::filesystem::path& robot)
       panels_(new Panels(*this, *run_, *messages_)),
       poses_(new PoseController(*view_, panels_->motion(), *run_, this)),
       models_(new ModelController(*view_, panels_->model(), *run_, this)),
+      plants_(new PlantController(*view_, panels_->plant(), *run_, this)),
       playback_(new MotionPlayback(*run_, panels_->motion(), panels_->operator_panel().commands(), *messages_,
                                    robot, this)),
       documents_(new Documents(*this, *panels_)),
@@ -86,6 +89,8 @@ MainWindow::~MainWindow() {
 MotionPanel& MainWindow::motion() { return panels_->motion(); }
 
 ModelPanel& MainWindow::model() { return panels_->model(); }
+
+PlantPanel& MainWindow::plant() { return panels_->plant(); }
 
 // Places the view, the bars and the docks, as they were the last time.
 void MainWindow::arrange() {
@@ -127,6 +132,7 @@ void MainWindow::connect_view() {
   connect(view_, &RobotView::hovered, this, &MainWindow::show_link_name);
   connect(models_, &ModelController::failed, messages_, &MessageBar::show_error);
   connect(models_, &ModelController::restart_requested, &panels_->operator_panel(), &OperatorPanel::restart);
+  connect(plants_, &PlantController::restart_requested, &panels_->operator_panel(), &OperatorPanel::restart);
   connect(&motion(), &MotionPanel::pose_changed, poses_, &PoseController::show_pose);
   connect(poses_, &PoseController::told, this,
           [this](const QString& text) { statusBar()->showMessage(text, 3000); });
@@ -225,6 +231,9 @@ void MainWindow::open_scenario(const std::filesystem::path& file) {
     if (scenario.gait && !panels_->tuning().shows_gait(scenario.gait->file))
       replaced.push_back(Documents::kGait);
   }
+  const TextDocument* edited = documents_->document(Documents::kScenario);
+  if (edited != nullptr && edited->file() != std::filesystem::absolute(file))
+    replaced.push_back(Documents::kScenario);
   documents_->settle(replaced, tr("Save changes before the scenario is opened?"),
                      [this, file] { run_->open_scenario(file); });
 }
@@ -287,7 +296,9 @@ void MainWindow::show_active_document() {
   if (documents_->document(active) != nullptr) parts << marked(active);
   for (const Documents::Kind kind : documents_->unsaved())
     if (kind != active) parts << marked(kind);
-  if (!run_->file().empty()) parts << QString::fromStdString(run_->file().filename().string());
+  const QString shown = QString::fromStdString(run_->file().filename().string());
+  const bool is_named = !parts.isEmpty() && active == Documents::kScenario && parts.front().startsWith(shown);
+  if (!shown.isEmpty() && !is_named) parts << shown;
   parts << QStringLiteral("Koboshi Studio");
   setWindowTitle(parts.join(QStringLiteral(" - ")));
   const QString name = documents_->kind_name(active);
@@ -301,6 +312,7 @@ void MainWindow::show_active_document() {
   mark(Documents::kMotion, Documents::kMotion);
   mark(Documents::kRobot, Documents::kRobot);
   mark(Documents::kParameters, Documents::kGait);
+  mark(Documents::kScenario, Documents::kScenario);
 }
 
 void MainWindow::closeEvent(QCloseEvent* event) {

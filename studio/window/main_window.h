@@ -24,6 +24,8 @@ class ModelPanel;
 class MotionPanel;
 class MotionPlayback;
 class Panels;
+class PlantController;
+class PlantPanel;
 class PoseController;
 
 // The studio's window: the view of the robot in the middle, panels around it (Panels), every action in a menu
@@ -50,6 +52,7 @@ class MainWindow final : public QMainWindow {
   RobotView& view() { return *view_; }
   MotionPanel& motion();
   ModelPanel& model();
+  PlantPanel& plant();
   MessageBar& messages() { return *messages_; }
   Documents& documents() { return *documents_; }
   // Ends without a question, as when the system ends the program: unsaved changes are kept for recovery.
@@ -96,6 +99,7 @@ class MainWindow final : public QMainWindow {
   Panels* const panels_;
   PoseController* const poses_;
   ModelController* const models_;
+  PlantController* const plants_;
   MotionPlayback* const playback_;
   Documents* const documents_;
   std::array<QAction*, view::kOverlayNames.size()> overlay_actions_{};

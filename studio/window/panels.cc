@@ -19,6 +19,7 @@
 #include "studio/panels/event_panel.h"
 #include "studio/panels/log_panel.h"
 #include "studio/panels/object_panel.h"
+#include "studio/plant/plant_panel.h"
 #include "studio/plot/plot_panel.h"
 #include "studio/soles/sole_panel.h"
 #include "studio/tuning/compare_panel.h"
@@ -85,9 +86,15 @@ void Panels::make() {
   add(&tuning_->comparison(), {.name = QStringLiteral("comparison"), .title = tr("Comparison")});
   add(&tuning_->studies(), {.name = QStringLiteral("studies"), .title = tr("Studies")});
   add(log_ = new LogPanel, {.name = QStringLiteral("messages"), .title = tr("Messages")});
+  // The last one, so that the keys of the others stay.
+  add(plant_ = new PlantPanel, {.name = QStringLiteral("plant"),
+                                .title = tr("Plant"),
+                                .area = Qt::RightDockWidgetArea,
+                                .menu = tr("Pla&nt")});
   connect(&messages_, &MessageBar::told, log_, &LogPanel::add);
   connect(motion_, &MotionPanel::told, log_, &LogPanel::add);
   connect(model_, &ModelPanel::told, log_, &LogPanel::add);
+  connect(plant_, &PlantPanel::told, log_, &LogPanel::add);
   connect(&tuning_->parameters(), &ParameterPanel::told, log_, &LogPanel::add);
   connect(tuning_, &TuningPanels::told, &messages_, &MessageBar::show_message);
   connect(tuning_, &TuningPanels::restart_wanted, operator_, &OperatorPanel::restart);

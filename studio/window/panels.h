@@ -26,6 +26,7 @@ class ModelPanel;
 class MotionPanel;
 class ObjectPanel;
 class OperatorPanel;
+class PlantPanel;
 class PlotPanel;
 class RunController;
 class SolePanel;
@@ -45,6 +46,7 @@ class Panels final : public QObject {
 
   MotionPanel& motion() { return *motion_; }
   ModelPanel& model() { return *model_; }
+  PlantPanel& plant() { return *plant_; }
   OperatorPanel& operator_panel() { return *operator_; }
   TuningPanels& tuning() { return *tuning_; }
   // Shows a panel in front of those it shares a place with; `name` is that of its dock.
@@ -105,6 +107,7 @@ class Panels final : public QObject {
   ObjectPanel* objects_ = nullptr;
   MotionPanel* motion_ = nullptr;
   ModelPanel* model_ = nullptr;
+  PlantPanel* plant_ = nullptr;
   OperatorPanel* operator_ = nullptr;
   TuningPanels* const tuning_;
   QByteArray default_layout_;

@@ -114,11 +114,13 @@ void edit_settings(XmlDocument& document, const std::vector<ModelSetting>& setti
       continue;
     }
     const std::string value = file_text(edited, field, setting.value);
-    if (sides == Sides::kBoth) {
-      const MirroredValue other = mirrored_value(edited, field, value);
-      set_file_text(edited, other.field, other.value);
+    if (sides == Sides::kOne) {
+      set_file_text(edited, field, value);
+      continue;
     }
-    set_file_text(edited, find_field(edited, field.key()), value);
+    const MirroredValue other = mirrored_value(edited, field, value);
+    set_file_text(edited, other.field, other.value);
+    set_file_text(edited, find_field(edited, field.key()), value);  // the edit has moved it
   }
   document = std::move(edited);
 }
