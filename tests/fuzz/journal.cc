@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::size_t brace = text.find('{');
   if (brace == std::string::npos) return 0;
   std::string own = text;
-  own.insert(brace + 1, std::string("\"origin\": \"") + tools::kOrigin + "\",");
+  own.insert(brace + 1, std::string("\"origin\": \"") + lab::kOrigin + "\",");
   const auto journal = read(own);
   if (!journal || !*journal) return 0;
   const auto again = read(lab::journal_text(**journal));

@@ -237,10 +237,11 @@ TEST_P(FreeBodies, ContinueWithTheSameBitsAfterASnapshot) {
     std::vector<std::uint64_t> all;
     for (int i = 0; i < 150; ++i) {
       world->step();
-      for (const double value : world->free_bodies()[0].X_WF.matrix().reshaped())
-        all.push_back(std::bit_cast<std::uint64_t>(value));
-      for (const double value : world->body(0).X_WL.matrix().reshaped())
-        all.push_back(std::bit_cast<std::uint64_t>(value));
+      for (const Eigen::Matrix4d& pose :
+           {world->free_bodies()[0].X_WF.matrix(), world->body(0).X_WL.matrix()}) {
+        for (Eigen::Index k = 0; k < pose.size(); ++k)
+          all.push_back(std::bit_cast<std::uint64_t>(pose.data()[k]));
+      }
     }
     return all;
   };
