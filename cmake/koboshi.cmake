@@ -99,8 +99,8 @@ function(koboshi_share_precompiled_headers name)
     find_package(fmt REQUIRED)
     find_package(Eigen3 REQUIRED NO_MODULE)
     find_package(nlohmann_json REQUIRED)
-    # With all macros that the libraries of the tests define: in Debian 13, libfyaml's _FILE_OFFSET_BITS is one.
-    set(libraries fmt::fmt Eigen3::Eigen nlohmann_json::nlohmann_json koboshi::base_yaml)
+    # With all macros that the libraries of the tests define: _FILE_OFFSET_BITS is one of tinyxml2 in Debian 13.
+    set(libraries fmt::fmt Eigen3::Eigen nlohmann_json::nlohmann_json koboshi::base_xml)
     set(headers simulation_test_headers)
     if(NOT TARGET koboshi_${headers})
       koboshi_precompile_for_tests(${headers} ${standard} <filesystem> <fstream> <regex> <thread> <Eigen/Dense> <fmt/format.h>

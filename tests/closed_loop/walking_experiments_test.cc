@@ -74,11 +74,11 @@ TEST(Robustness, TakesLevelsForOneFactor) {
   options.scenario = KOBOSHI_SOURCE_DIR "/scenarios/get_up.yaml";
   options.activities = {"push-standing", "push-on-the-spot"};
   options.levels = {0.25, 0.3};
-  EXPECT_THROW(lab::make_robustness(options), InputError);
+  EXPECT_THROW(static_cast<void>(lab::make_robustness(options)), InputError);
   options.factors = {"impulse"};
   EXPECT_EQ(lab::make_robustness(options).cells.size(), 4u);
   options.levels = {0.3, 0.25};
-  EXPECT_THROW(lab::make_robustness(options), InputError);
+  EXPECT_THROW(static_cast<void>(lab::make_robustness(options)), InputError);
 }
 
 // The weakest and the hardest push at a standing robot, in two directions; all other factors are nominal.
