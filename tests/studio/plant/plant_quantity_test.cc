@@ -33,7 +33,7 @@ PlantQuantity named(const std::vector<PlantQuantity>& all, const std::string& na
 TEST(PlantQuantity, IsInUnitsOfPeopleWithARangeAroundTheModel) {
   const auto shank = quantities("left_shank");
   const PlantQuantity mass = named(shank, "left_shank.mass");
-  EXPECT_EQ(mass.name, shank.front().name);  // what is asked for first
+  EXPECT_EQ(mass.name(), shank.front().name());  // what is asked for first
   EXPECT_EQ(mass.unit, "g");
   EXPECT_EQ(mass.group, "inertial");
   EXPECT_DOUBLE_EQ(mass.model, 50.0);
