@@ -122,17 +122,21 @@ std::string file_name(const tools::ForeignMotion& motion) {
 // any. Writes nothing before all pages are converted.
 int import_all(const MotionImportArguments& arguments, const std::vector<tools::ForeignMotion>& motions) {
   if (arguments.out.empty()) throw InputError(arguments.file, 0, "--all without a folder", "-o FOLDER");
+  for (const tools::ForeignMotion& motion : motions) {
+    const std::filesystem::path out = arguments.out / file_name(motion);
+    if (std::filesystem::exists(out))
+      throw InputError(out, 0, "a file of this name", "a folder without it: nothing is overwritten");
+  }
   const std::filesystem::path file = arguments.file;
   const Destination to = destination_of(arguments);
   std::vector<std::pair<std::filesystem::path, std::string>> results;
   for (const tools::ForeignMotion& motion : motions) {
     const std::string place = fmt::format("{}:{}", arguments.file, motion.page);
-    const std::filesystem::path out = arguments.out / file_name(motion);
-    if (std::filesystem::exists(out))
-      throw InputError(out, 0, "a file of this name", "a folder without it: nothing is overwritten");
     try {
-      results.emplace_back(out, convert(place, file, motion, arguments.map, to).text);
+      results.emplace_back(arguments.out / file_name(motion),
+                           convert(place, file, motion, arguments.map, to).text);
     } catch (const InputError& error) {
+      if (error.file() != file) throw;  // of the map, and so of every page
       print_error("{}: left out: {}\n", place, error.what());
     }
   }

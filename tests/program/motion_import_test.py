@@ -51,6 +51,15 @@ class MotionImport(unittest.TestCase):
         self.assertIn("002_look_round.yaml: found a file of this name, expected", result.stderr)
         self.assertEqual([file.read_text() for file in out.iterdir()], ["mine"])
 
+    def test_refuses_a_bad_map_once(self):
+        bad = self.folder / "bad.yaml"
+        bad.write_text("version: 1\njoints:\n  1: {joint: tail}\n")
+        out = self.folder / "bad"
+        result = PROGRAM.run("motion", "import", SOURCE / "pages.mtn", "--map", bad, "--all", "-o", out)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        self.assertFalse(out.exists())
+
     def test_refuses_what_it_cannot_mean(self):
         for options, expected in ((["--all"], "-o FOLDER"), (["--all", "--list"], "excludes")):
             result = self.run_import(SOURCE / "pages.mtn", *options)
