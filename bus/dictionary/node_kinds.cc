@@ -52,7 +52,7 @@ InstanceDefaults drive_connections(const robot::RobotModel& robot) {
         app::drive_pdo(canopen::PdoDirection::kTransmit, app::kFirstDriveTpdo + joint, robot));
     made.heartbeat_consumers.push_back(app::drive_consumer(joint, robot));
   }
-  // Those of the joint target stream lie behind those of the most drives.
+  // The RPDOs of the joint target stream have the numbers after those of the largest number of drives.
   for (std::size_t number = app::kFirstDriveRpdo; number < app::kRpdos; ++number)
     made.rpdos.push_back(app::drive_pdo(canopen::PdoDirection::kReceive, number, robot));
   return made;

@@ -72,7 +72,7 @@ auto show_search(const std::string& label, const std::string& unit, const std::f
   return result;
 }
 
-// What --shard and --shards say.
+// Plays or merges the shards that --shard and --shards name.
 void tune_in_shards(const lab::Study& study, const lab::StudyOptions& options, const ShardArguments& shards,
                     Invocation& invocation) {
   const std::size_t count = shards.count(options.out);
