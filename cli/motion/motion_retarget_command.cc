@@ -18,6 +18,7 @@
 #include "tools/motion_files/convert.h"
 #include "tools/motion_files/flatten.h"
 #include "tools/motion_files/retarget.h"
+#include "tools/motion_files/retarget_targets.h"
 
 namespace koboshi::cli {
 namespace {
@@ -29,6 +30,7 @@ struct MotionRetargetArguments {
   std::filesystem::path out;
   std::optional<double> clamp_deg;
   bool retime = false;
+  bool by_targets = false;
 };
 
 // "koboshi: stable, least margin 12.3 mm, 6.20 s, 0 errors"
@@ -58,8 +60,14 @@ int retarget(const MotionRetargetArguments& arguments) {
   }();
   tools::ConversionOptions options{.retime = arguments.retime, .largest_clamp_rad = {}};
   if (arguments.clamp_deg) options.largest_clamp_rad = kRadPerDegree * *arguments.clamp_deg;
-  const tools::ConvertedMotion converted = tools::convert_motion(
-      file, motion, tools::retarget_joints(file, motion, from.robot(), to.robot()), to.model(), options);
+  const tools::ConvertedMotion converted = [&] {
+    if (!arguments.by_targets)
+      return tools::convert_motion(
+          file, motion, tools::retarget_joints(file, motion, from.robot(), to.robot()), to.model(), options);
+    const tools::ForeignMotion solved =
+        tools::retarget_targets(file, motion, {from.robot(), from.model()}, {to.robot(), to.model()});
+    return tools::convert_motion(file, solved, tools::same_joints(to.model()), to.model(), options);
+  }();
   std::error_code missing;
   if (std::filesystem::equivalent(file, arguments.out, missing))
     throw InputError(arguments.out, 0, "the input as the output", "another file for the result");
@@ -83,12 +91,14 @@ void add_motion_retarget_command(CLI::App& motion_command, Invocation& invocatio
   CLI::App* command =
       motion_command.add_subcommand("retarget", "Turn a motion of one robot into one of another");
   command->footer(
-      R"(Gives each joint the angles of the joint with the same role in the other robot (koboshi model map), within its limits,
-and prints the verdict of koboshi motion check for both robots (docs/reference/motion-import.md). Exit status 1 if the
-check finds an error in the result.
+      R"(Gives each joint the angles of the joint with the same role in the other robot (koboshi model map), within its limits.
+With --by targets, puts soles, trunk, centre of mass and hands of each key frame where they are on the first robot, in
+lengths of its legs and arms, and computes the angles; for robots of other proportions. Prints the verdict of koboshi
+motion check for both robots (docs/reference/motion-import.md). Exit status 1 if the check finds an error in the result.
 
-Example:
+Examples:
   koboshi motion retarget wave --from koboshi --to koboshi --retime -o wave_here.yaml
+  koboshi motion retarget squat --from koboshi --to noppo --by targets --retime -o squat_there.yaml
 )");
   command->add_option("MOTION", arguments->motion, "A motion's file or name, of the robot --from")
       ->required();
@@ -98,6 +108,13 @@ Example:
   command->add_option("--to", arguments->to, "The robot that shall play it: its file or name")
       ->required()
       ->type_name("FILE");
+  command
+      ->add_option_function<std::string>(
+          "--by", [arguments](const std::string& by) { arguments->by_targets = by == "targets"; },
+          "What both robots have in common: angles of joints, or targets of soles, hands and centre of mass")
+      ->check(CLI::IsMember({"joints", "targets"}))
+      ->type_name("WHAT:{joints,targets}")
+      ->default_str("joints");
   command->add_flag("--retime", arguments->retime, "Give moves the time that the servos need");
   command
       ->add_option("--clamp", arguments->clamp_deg,

@@ -9,6 +9,7 @@
 #include "firmware/fixed/host/convert.h"
 #include "firmware/robot/kinematics.h"
 #include "firmware/robot/leg.h"
+#include "simulation/model/isometry.h"
 #include "simulation/motion_language/parse/body_targets.h"
 #include "simulation/motion_language/parse/joints.h"
 
@@ -21,6 +22,8 @@ using Eigen::Vector3d;
 using fixed::Angle;
 using fixed::to_double;
 using robot::JointRole;
+using simulation::isometry_of;
+using simulation::vector_of;
 
 // Steps of the search along the line to a target out of reach: the longest displacement and rotation between
 // two neighbouring poses, in which no joint turns farther than kMaxTurn_rad unless the pose is another
@@ -36,18 +39,6 @@ constexpr double kMaxRotation_rad = std::numbers::pi - 1e-3;
 // By which the soles may move relative to each other when the trunk is dragged: half of what a user is
 // promised, 0.1 mm. The tolerance of BodySolution is coarser.
 constexpr double kSoles_m = 5e-5;
-
-Vector3d vector_of(const robot::Position& p) { return {to_double(p.x), to_double(p.y), to_double(p.z)}; }
-
-Isometry3d isometry_of(const robot::Pose& pose) {
-  Isometry3d X = Isometry3d::Identity();
-  for (int row = 0; row < 3; ++row) {
-    const auto& direction = pose.R.rows[static_cast<std::size_t>(row)];
-    X.linear().row(row) << to_double(direction.x), to_double(direction.y), to_double(direction.z);
-  }
-  X.translation() = vector_of(pose.p);
-  return X;
-}
 
 Matrix3d rotation_of(const Vector3d& rotation_rad) {
   const double angle_rad = rotation_rad.norm();

@@ -444,4 +444,10 @@ std::vector<std::optional<NamedForeignJoint>> foreign_joints(const sim_board::Ro
   return joints;
 }
 
+JointMap same_joints(const simulation::NamedModel& robot) {
+  JointMap map;
+  for (std::size_t i = 0; i < robot.joint_names.size(); ++i) map.joints.emplace_back(MappedJoint{.joint = i});
+  return map;
+}
+
 }  // namespace koboshi::tools

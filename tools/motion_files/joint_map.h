@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim_board/description/description.h"
+#include "simulation/model/robot_model.h"
 #include "tools/motion_files/foreign_motion.h"
 
 namespace koboshi::tools {
@@ -40,6 +41,9 @@ struct JointMap {
 [[nodiscard]] JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& motion,
                                    const sim_board::RobotDescription& robot,
                                    const std::filesystem::path& map_file = {});
+
+// The joints of the robot itself, in their order, in rad.
+[[nodiscard]] JointMap same_joints(const simulation::NamedModel& robot);
 
 // How a file names or numbers a joint of the robot, and counts its angle.
 struct NamedForeignJoint {

@@ -31,7 +31,8 @@ bool is_of_leg(const std::string& role) {
 }  // namespace
 
 JointMap retarget_joints(const std::filesystem::path& file, const ForeignMotion& motion,
-                         const sim_board::RobotDescription& from, const sim_board::RobotDescription& to) {
+                         const sim_board::RobotDescription& from, const sim_board::RobotDescription& to,
+                         bool legs_have_targets) {
   JointMap map;
   map.joints.resize(from.joints.size());
   std::string dropped;
@@ -42,6 +43,7 @@ JointMap retarget_joints(const std::filesystem::path& file, const ForeignMotion&
         std::ranges::find_if(to.joints, [&](const auto& joint) { return joint.role() == own.role(); });
     if (found == to.joints.end()) {
       if (!moves(motion, i)) continue;
+      if (is_of_leg(own.role()) && legs_have_targets) continue;
       if (is_of_leg(own.role()))
         throw InputError(file, 0, own.role() + ", which " + to.name + " does not have",
                          "a motion of joints that both robots have");

@@ -9,6 +9,7 @@
 #include "firmware/robot/kinematics.h"
 #include "firmware/robot/leg.h"
 #include "mechanics/point_reach.h"
+#include "simulation/model/isometry.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -28,18 +29,6 @@ constexpr double kReached_rad = 1e-3;
 constexpr double kConverged_m = 2e-6;
 constexpr std::size_t kArmJoints = 3;
 
-Vector3d vector_of(const robot::Position& p) { return {to_double(p.x), to_double(p.y), to_double(p.z)}; }
-Vector3d vector_of(const robot::Direction& v) { return {to_double(v.x), to_double(v.y), to_double(v.z)}; }
-
-Isometry3d isometry_of(const robot::Pose& pose) {
-  Isometry3d X = Isometry3d::Identity();
-  for (int row = 0; row < 3; ++row) {
-    X.linear().row(row) = vector_of(pose.R.rows[static_cast<std::size_t>(row)]).transpose();
-  }
-  X.translation() = vector_of(pose.p);
-  return X;
-}
-
 robot::Pose fixed_pose(const Isometry3d& X) {
   robot::Pose pose;
   const auto ratio = [](double value) { return fixed::from_double<fixed::Ratio>(value); };
@@ -58,11 +47,6 @@ Matrix3d rotation_of(const Vector3d& rpy) {
       .toRotationMatrix();
 }
 
-Vector3d rpy_of(const Matrix3d& R) {
-  return {std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
-          std::atan2(R(1, 0), R(0, 0))};
-}
-
 Isometry3d with_target(const Isometry3d& X, const Target& target) {
   Vector3d p = X.translation();
   Vector3d rpy = rpy_of(X.linear());
@@ -75,17 +59,6 @@ Isometry3d with_target(const Isometry3d& X, const Target& target) {
   result.linear() = rotation_of(rpy);
   result.translation() = p;
   return result;
-}
-
-// Midway between two soles; its axes are the mean of theirs.
-Isometry3d midway(const Isometry3d& left, const Isometry3d& right) {
-  Isometry3d X = Isometry3d::Identity();
-  X.translation() = 0.5 * (left.translation() + right.translation());
-  const Vector3d z = (left.linear().col(2) + right.linear().col(2)).normalized();
-  const Vector3d along = left.linear().col(0) + right.linear().col(0);
-  const Vector3d x = (along - along.dot(z) * z).normalized();
-  X.linear() << x, z.cross(x), z;
-  return X;
 }
 
 // The three joints of an arm and the tip of its hand.
