@@ -14,3 +14,18 @@ find_program(KOBOSHI_MOLD mold)
 if(KOBOSHI_MOLD AND NOT KOBOSHI_PACKAGE AND NOT CMAKE_CROSSCOMPILING AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   add_link_options(-fuse-ld=mold)
 endif()
+
+# GCC spends a tenth of its time on collecting memory that it will soon need again. Where there is enough for all cores, it
+# begins at 1 GB; the code is the same. Packages do without it, because debug information names the compiler's options.
+cmake_host_system_information(RESULT koboshi_memory_MiB QUERY TOTAL_PHYSICAL_MEMORY)
+cmake_host_system_information(RESULT koboshi_cores QUERY NUMBER_OF_LOGICAL_CORES)
+math(EXPR koboshi_wanted_MiB "3000 * ${koboshi_cores}")
+if(koboshi_memory_MiB GREATER koboshi_wanted_MiB)
+  set(KOBOSHI_ENOUGH_MEMORY ON)
+else()
+  set(KOBOSHI_ENOUGH_MEMORY OFF)
+endif()
+option(KOBOSHI_LARGE_HEAP "Let GCC use more memory and less time" ${KOBOSHI_ENOUGH_MEMORY})
+if(KOBOSHI_LARGE_HEAP AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT KOBOSHI_PACKAGE AND NOT CMAKE_CROSSCOMPILING)
+  add_compile_options("SHELL:--param ggc-min-heapsize=1000000")
+endif()
