@@ -12,10 +12,12 @@ namespace {
 constexpr std::size_t kMaxFramesPerService = 64;
 constexpr std::size_t kMaxSamplesPerService = 16;
 
-// Emergency error code of the controller: device specific (CiA 301, table 26). A mask of the joints follows
+// Emergency error codes of the controller: device specific (CiA 301, table 26). A mask of the joints follows
 // in the manufacturer's field.
 constexpr std::uint16_t kErrorNoTorqueLimit = 0xFF01;
-constexpr unsigned kPermillePerPercent = drive::TorqueLimits::kFull_permille / motion::Stiffness::kFull;
+constexpr std::uint16_t kErrorNoPositionGain = 0xFF03;
+constexpr unsigned kPermillePerPercent = drive::Setting::kOwn_permille / motion::Stiffness::kFull;
+static_assert(motion::Gain::kMax * kPermillePerPercent <= drive::kMaxPositionGain_permille);
 
 // False, and a robot without joints, when storage holds no valid model.
 bool load(const storage::Catalogue& catalogue, robot::RobotModel& model) {
@@ -105,7 +107,7 @@ void Controller::tick(std::uint64_t now_us) {
   policy_control_.step(behaviour_, robot, {drives.angles.data(), model_.joint_count});
   requests_.end_calibration();
   executor_.execute(decision, now_us);
-  limit_torques(decision);
+  set_up_drives(decision);
   publish();
   if (!network_.operational() || drives_.resetting()) return;
   if (drives_.configured()) command_drives(joint_targets(decision, robot), now_us);
@@ -172,27 +174,38 @@ void Controller::command_drives(const JointAngles& targets, std::uint64_t now_us
   }
 }
 
-void Controller::limit_torques(const behaviour::Decision& decision) {
-  if ((decision.softened | softened_) == 0) return;
+// Torque limits and gains of the drives. Joints outside of a mask have what their drives have by themselves.
+void Controller::set_up_drives(const behaviour::Decision& decision) {
+  const auto share_permille = [](std::uint32_t joints, std::size_t joint, std::uint8_t percent) {
+    const bool is_changed = (joints >> joint & 1u) != 0;
+    return is_changed ? static_cast<std::uint16_t>(percent * kPermillePerPercent)
+                      : drive::Setting::kOwn_permille;
+  };
+  if ((decision.softened | decision.regained | softened_ | regained_) == 0) return;
   softened_ = decision.softened;
+  regained_ = decision.regained;
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
-    const bool softened = (softened_ >> joint & 1u) != 0;
-    const unsigned percent = softened ? decision.stiffness_percent[joint] : motion::Stiffness::kFull;
-    drives_.set_torque_limit(joint, static_cast<std::uint16_t>(percent * kPermillePerPercent));
+    drives_.set_torque_limit(joint, share_permille(softened_, joint, decision.stiffness_percent[joint]));
+    drives_.set_position_gain(joint, share_permille(regained_, joint, decision.gain_percent[joint]));
   }
 }
 
-// Reports once that drives refuse torque limits; 0x2200 shows which. The next boot clears it.
-void Controller::report_torque_limits() {
-  const std::uint32_t refused = drives_.without_torque_limit();
-  if (refused != 0) {
-    std::array<std::uint8_t, 5> joints{};
-    canopen::store_u32(joints.data(), refused);
-    node_.raise_error(kErrorNoTorqueLimit, canopen::error_register::kManufacturer, joints);
-  } else if (values_.diagnosis.without_torque_limit != 0) {
-    node_.clear_error(kErrorNoTorqueLimit);
+void Controller::report_refusals() {
+  auto& diagnosis = values_.diagnosis;
+  report_refusal(drives_.without_torque_limit(), kErrorNoTorqueLimit, diagnosis.without_torque_limit);
+  report_refusal(drives_.without_position_gain(), kErrorNoPositionGain, diagnosis.without_position_gain);
+}
+
+// Reports once that drives refuse a setting; `shown`, a value of 0x2200, is which. The next boot clears it.
+void Controller::report_refusal(std::uint32_t joints, std::uint16_t error, std::uint32_t& shown) {
+  if (joints != 0) {
+    std::array<std::uint8_t, 5> field{};
+    canopen::store_u32(field.data(), joints);
+    node_.raise_error(error, canopen::error_register::kManufacturer, field);
+  } else if (shown != 0) {
+    node_.clear_error(error);
   }
-  values_.diagnosis.without_torque_limit = refused;
+  shown = joints;
 }
 
 void Controller::publish() {
@@ -202,7 +215,7 @@ void Controller::publish() {
   values_.diagnosis.receive_overruns = network_.can_status().receive_overruns;
   values_.diagnosis.imu_overruns = board_.imu.overruns();
   values_.diagnosis.frames_lost = node_.lost_frames();
-  report_torque_limits();
+  report_refusals();
 }
 
 }  // namespace koboshi::app

@@ -69,8 +69,9 @@ class Controller final {
   void read_ankles(std::uint64_t now_us);
   JointAngles joint_targets(const behaviour::Decision& decision, const estimation::RobotState& robot) const;
   void command_drives(const JointAngles& targets, std::uint64_t now_us);
-  void limit_torques(const behaviour::Decision& decision);
-  void report_torque_limits();
+  void set_up_drives(const behaviour::Decision& decision);
+  void report_refusals();
+  void report_refusal(std::uint32_t joints, std::uint16_t error, std::uint32_t& shown);
   void publish();
 
   hal::Board board_;
@@ -99,6 +100,7 @@ class Controller final {
 
   hal::ImuSample imu_sample_;   // a member, so that it need not be cleared each millisecond
   std::uint32_t softened_ = 0;  // joints whose torque the last decision limited; bit i: joint i
+  std::uint32_t regained_ = 0;  // joints to whose position loops it gave another gain than their own
   bool started_ = false;
 };
 

@@ -513,6 +513,11 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Joints without torque limit",
       .comment = "Bit i: the drive of joint i has refused a write of 6072, since the boot; it keeps its full "
                  "torque."}},
+    {OBJECT(0x2200, 14, diagnosis.without_position_gain, kReadOnly),
+     {.name = "Joints without position gain",
+      .comment =
+          "Bit i: the drive of joint i has refused a write of 60FB:1, since the boot; it keeps its own "
+          "gain."}},
     {OBJECT(0x2201, 0, lost_abilities, kReadOnly),
      {.name = "Lost abilities",
       .comment =

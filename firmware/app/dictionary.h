@@ -135,10 +135,11 @@ struct ControllerValues {
     std::uint16_t falls = 0;              // since power-on; saturates, as the next
     std::uint16_t risen = 0;
     FactoryStatus factory_parameters = FactoryStatus::kNone;
-    std::uint32_t without_torque_limit = 0;  // bit i: joint i's drive has refused it since the boot
-  } diagnosis;                               // 0x2200, 0x2403
-  std::uint16_t lost_abilities = 0;          // 0x2201; bit i: robot::Ability i
-  drive::DriveSignals drives;                // 0x2300..0x2304, by joint from sub-index 1
+    std::uint32_t without_torque_limit = 0;   // bit i: joint i's drive has refused it since the boot
+    std::uint32_t without_position_gain = 0;  // likewise
+  } diagnosis;                                // 0x2200, 0x2403
+  std::uint16_t lost_abilities = 0;           // 0x2201; bit i: robot::Ability i
+  drive::DriveSignals drives;                 // 0x2300..0x2304, by joint from sub-index 1
   struct {
     std::int16_t inputs[motion::kInputCount] = {};  // that motions read
   } motion;                                         // 0x2410

@@ -57,6 +57,7 @@ const Decision& Behaviour::step(const Cycle& cycle) {
   status_.attempts = recovery_.attempts();
   choose_feedback();
   choose_stiffness();
+  choose_gains();
   return decision_;
 }
 
@@ -269,6 +270,18 @@ void Behaviour::choose_stiffness() {
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint)
     decision_.stiffness_percent[joint] = std::min(
         {motion.stiffness_percent(joint), overlay.stiffness_percent(joint), stream_.torque_percent(joint)});
+}
+
+// The joints of two motions are different ones.
+void Behaviour::choose_gains() {
+  const motion::Interpreter& motion = player_.interpreter();
+  const motion::Interpreter& overlay = overlay_.interpreter();
+  decision_.regained = motion.regained() | overlay.regained();
+  if (decision_.regained == 0) return;
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
+    const bool of_overlay = (overlay.regained() >> joint & 1u) != 0;
+    decision_.gain_percent[joint] = of_overlay ? overlay.gain_percent(joint) : motion.gain_percent(joint);
+  }
 }
 
 // --- One cycle of each state

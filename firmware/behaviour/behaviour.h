@@ -53,6 +53,8 @@ struct Decision {
   std::array<fixed::Angle, robot::kMaxJoints> targets{};  // by joint, before feedback
   std::uint32_t softened = 0;                             // joints with less than full torque; bit i: joint i
   std::array<std::uint8_t, robot::kMaxJoints> stiffness_percent{};  // of these joints
+  std::uint32_t regained = 0;  // joints whose position loops have another gain than their own; bit i: joint i
+  std::array<std::uint8_t, robot::kMaxJoints> gain_percent{};  // of these joints
   balance::FeedbackMode feedback = balance::FeedbackMode::kNone;
   fixed::Angle planned_pitch;                   // of the trunk, forward positive
   std::optional<walk::PlannedZmp> planned_zmp;  // of a walk, for the end of the cycle
@@ -156,6 +158,7 @@ class Behaviour {  // Large: one short function per state and per command
   bool is_in_standing_pose();
   void choose_feedback();
   void choose_stiffness();
+  void choose_gains();
 
   // One cycle of each state.
   void run_state(const Cycle& cycle);

@@ -48,6 +48,9 @@ inline constexpr std::uint16_t kInterpolationTimePeriod = 0x60C2;
 inline constexpr std::uint16_t kMaxAcceleration = 0x60C5;
 inline constexpr std::uint16_t kSupportedHomingMethods = 0x60E3;
 inline constexpr std::uint16_t kFollowingErrorActual = 0x60F4;
+// A record, whose entries are the manufacturer's. Of simulated drives entry 1 is the gain of the position
+// loop in 0.001 of the drive's own.
+inline constexpr std::uint16_t kPositionControlParameters = 0x60FB;
 inline constexpr std::uint16_t kPositionDemandInternal = 0x60FC;
 inline constexpr std::uint16_t kSupportedDriveModes = 0x6502;
 

@@ -145,6 +145,7 @@ inline constexpr ValueName kErrorCodeNames[] = {
     {0xFF00, "behaviour fault"},
     {0xFF01, "no torque limit"},
     {0xFF02, "policy stopped"},
+    {0xFF03, "no position gain"},
 };
 
 namespace cia402 {

@@ -35,7 +35,9 @@ DriveGroup::DriveGroup(const robot::RobotModel& model, canopen::FrameSink& sink,
       signals_(signals),
       client_(sink),
       configuration_(client_),
-      torque_limits_(model, sink) {}
+      torque_limits_(model, {canopen::cia402::kMaxTorque, 0}, Setting::kOwn_permille, sink),
+      position_gains_(model, {canopen::cia402::kPositionControlParameters, 1}, kMaxPositionGain_permille,
+                      sink) {}
 
 void DriveGroup::boot(std::uint64_t reset_us) {
   phase_ = Phase::kResetting;
@@ -43,6 +45,7 @@ void DriveGroup::boot(std::uint64_t reset_us) {
   goal_ = Goal::kTorqueOff;
   client_.reset();
   torque_limits_.reset();
+  position_gains_.reset();
   addressed_ = 0;
   configured_ = 0;
   present_ = 0;
@@ -80,6 +83,7 @@ void DriveGroup::on_boot_up(std::size_t joint) {
     return;
   }
   torque_limits_.on_boot_up(joint);
+  position_gains_.on_boot_up(joint);
   const bool unconfigured = phase_ == Phase::kConfiguring && joint >= configured_;
   if (!unconfigured || (repeated_ & bit) != 0) return report(DriveFault::kRestarted, joint);
   repeated_ |= bit;
@@ -107,8 +111,10 @@ void DriveGroup::process(std::uint64_t now_us, Starting starting) {
   if (phase_ == Phase::kConfiguring) configure(now_us);
   if (phase_ == Phase::kStarting) start(starting);
   if (phase_ != Phase::kBooted) return;
-  torque_limits_.process(client_.state() != canopen::SdoState::kBusy, now_us);
-  if (!torque_limits_.busy()) read_supply(now_us);
+  // One SDO at a time: the torque limits first, for a joint may have to become limp.
+  torque_limits_.process(client_.state() != canopen::SdoState::kBusy && !position_gains_.busy(), now_us);
+  position_gains_.process(client_.state() != canopen::SdoState::kBusy && !torque_limits_.busy(), now_us);
+  if (!torque_limits_.busy() && !position_gains_.busy()) read_supply(now_us);
 }
 
 void DriveGroup::start(Starting starting) {

@@ -11,9 +11,9 @@
 #include "firmware/canopen/sdo/client.h"
 #include "firmware/drive/configuration.h"
 #include "firmware/drive/fault.h"
+#include "firmware/drive/setting.h"
 #include "firmware/drive/signals.h"
 #include "firmware/drive/status.h"
-#include "firmware/drive/torque_limits.h"
 #include "firmware/fixed/contract.h"
 #include "firmware/fixed/debounce.h"
 #include "firmware/fixed/literals.h"
@@ -35,6 +35,9 @@ enum class Starting : std::uint8_t {
   kTogether,  // by one NMT message to all nodes
   kByOthers,  // by another NMT master: the group waits until all answer
 };
+
+// The highest gain of a position loop that is written, in 0.001 of the drive's own.
+inline constexpr std::uint16_t kMaxPositionGain_permille = 2000;
 
 // Boots all servo drives of the robot, leads them to a goal and supervises them. The owner passes on what it
 // receives from them. In each cycle it calls `observe`, decides, sets goal and targets, calls `command` and
@@ -71,6 +74,7 @@ class DriveGroup {  // Large: one array per quantity of all drives
   void on_frame(const hal::CanFrame& frame) {
     client_.on_frame(frame);
     torque_limits_.on_frame(frame);
+    position_gains_.on_frame(frame);
   }
   void on_heartbeat(const canopen::HeartbeatEvent& event);
   // Keeps the error code. Communication warnings are ignored: lost frames show as missing answers, and a
@@ -91,13 +95,19 @@ class DriveGroup {  // Large: one array per quantity of all drives
     KOBOSHI_ASSERT(joint < model_.joint_count);
     signals_.target_position[joint] = robot::drive_position(model_.joints[joint].drive, angle);
   }
-  // Sets the torque limit of a joint's drive, 0 to TorqueLimits::kFull_permille of its rated torque. It is
-  // written by SDO once booted; a boot returns it to the full torque.
+  // Sets the torque limit of a joint's drive, 0 to Setting::kOwn_permille of its rated torque. It is written
+  // by SDO once booted; a boot returns it to the full torque.
   void set_torque_limit(std::size_t joint, std::uint16_t limit_permille) {
     torque_limits_.set(joint, limit_permille);
   }
-  // Returns the joints whose drives have refused torque limits since the last boot; bit i: joint i.
+  // Sets the gain of a drive's position loop, up to kMaxPositionGain_permille of its own. Written and reset
+  // likewise.
+  void set_position_gain(std::size_t joint, std::uint16_t gain_permille) {
+    position_gains_.set(joint, gain_permille);
+  }
+  // Return the joints whose drives have refused torque limits or gains since the last boot; bit i: joint i.
   std::uint32_t without_torque_limit() const { return torque_limits_.refused(); }
+  std::uint32_t without_position_gain() const { return position_gains_.refused(); }
   // Returns the last reported angle of a joint. Valid once booted; before, the angle at the position 0, which
   // `boot` sets.
   fixed::Angle angle(std::size_t joint) const;
@@ -150,7 +160,8 @@ class DriveGroup {  // Large: one array per quantity of all drives
   DriveSignals& signals_;
   canopen::SdoClient client_;
   Configuration configuration_;
-  TorqueLimits torque_limits_;
+  Setting torque_limits_;
+  Setting position_gains_;
   Phase phase_ = Phase::kIdle;
   Goal goal_ = Goal::kTorqueOff;
   std::uint64_t reset_us_ = 0;

@@ -44,8 +44,13 @@ MotionStatus check_move(const Motion& motion, const Step& step) {
   const bool is_new = move.at_least || move.interpolation > Interpolation::kCubic;
   if (!only(step.mode, Move::kModeMask) || (is_new && motion.version() < kAtLeastVersion))
     return MotionStatus::kBadOpcode;
-  if (move.at_least && (move.by_speed || move.interpolation == Interpolation::kCubic))
-    return MotionStatus::kBadOpcode;
+  const bool is_cubic = move.interpolation == Interpolation::kCubic;
+  if (move.at_least && (move.by_speed || is_cubic)) return MotionStatus::kBadOpcode;
+  if (move.windows > 0) {
+    const bool has_time = !move.at_least && !move.by_speed && !is_cubic;
+    if (motion.version() < kGainVersion || !has_time) return MotionStatus::kBadOpcode;
+    if (move.windows > Move::kMaxWindows) return MotionStatus::kBadTest;
+  }
   if (!(move.by_speed ? move.value > 0 : is_time(move.value))) return MotionStatus::kBadStepTime;
   return ok_if(move.pose < motion.pose_count(), MotionStatus::kNoSuchPose);
 }
@@ -96,11 +101,20 @@ MotionStatus check_mix(const Motion& motion, const Step& step) {
   return ok_if(step.operand < motion.joint_count() && (limited || removes), MotionStatus::kBadJoint);
 }
 
-MotionStatus check_stiffness(const Motion& motion, const Step& step) {
-  const Stiffness stiffness = Stiffness::of(step);
-  const bool joints_exist = stiffness.joints != 0 && stiffness.joints >> motion.joint_count() == 0;
+MotionStatus check_window(const Motion& motion, const Step& step) {
+  const Window window = Window::of(step);
+  if (motion.version() < kGainVersion) return MotionStatus::kBadOpcode;
+  if (window.start >= window.end) return MotionStatus::kBadStepTime;
+  return ok_if(window.joints != 0 && window.joints >> motion.joint_count() == 0, MotionStatus::kBadJoint);
+}
+
+template <typename Share>
+MotionStatus check_share(const Motion& motion, const Step& step) {
+  const Share share = Share::of(step);
+  const bool joints_exist = share.joints != 0 && share.joints >> motion.joint_count() == 0;
   if (step.operand != 0) return MotionStatus::kBadOpcode;
-  return ok_if(joints_exist && stiffness.percent <= Stiffness::kFull, MotionStatus::kBadJoint);
+  return ok_if(joints_exist && share.percent >= Share::kMin && share.percent <= Share::kMax,
+               MotionStatus::kBadJoint);
 }
 
 MotionStatus check_fields(const Motion& motion, const Step& step) {
@@ -132,7 +146,12 @@ MotionStatus check_fields(const Motion& motion, const Step& step) {
     case Opcode::kMix:
       return check_mix(motion, step);
     case Opcode::kStiffness:
-      return check_stiffness(motion, step);
+      return check_share<Stiffness>(motion, step);
+    case Opcode::kGain:
+      if (motion.version() < kGainVersion) return MotionStatus::kBadOpcode;
+      return check_share<Gain>(motion, step);
+    case Opcode::kWindow:
+      return check_window(motion, step);
     case Opcode::kLean:
       return ok_if(step.mode == 0 && step.value >> 16 == 0);
   }

@@ -58,15 +58,21 @@ MotionVerdict FlowCheck::check_ends() const {
   return kAccepted;
 }
 
-// Each condition has its tests, and each test its condition. A condition at the end of a routine has lost its
-// tests, because a test is no end.
+// Each condition has its tests, and each test its condition; likewise the windows of moves. One at the end of
+// a routine has lost them, because neither is an end.
 MotionVerdict FlowCheck::check_tests() const {
   std::size_t expected = 0;
+  Opcode attached = Opcode::kTest;  // if any are expected
   for (std::size_t i = 0; i < motion_.step_count(); ++i) {
     const Opcode opcode = motion_.opcode(i);
-    if ((opcode == Opcode::kTest) != (expected > 0)) return refuse(MotionStatus::kBadTest, i);
-    if (expected > 0) --expected;
-    if (has_condition(opcode)) expected = Condition::of(motion_.step(i)).count;
+    if (is_attached(opcode) != (expected > 0)) return refuse(MotionStatus::kBadTest, i);
+    if (expected > 0) {
+      if (opcode != attached) return refuse(MotionStatus::kBadTest, i);
+      --expected;
+      continue;
+    }
+    expected = attached_steps(motion_.step(i));
+    attached = has_condition(opcode) ? Opcode::kTest : Opcode::kWindow;
   }
   return kAccepted;
 }
@@ -114,7 +120,7 @@ bool FlowCheck::same_body(std::size_t first, std::size_t last) const {
 
 MotionVerdict FlowCheck::check_target(std::size_t from, std::size_t target, std::size_t& distance) const {
   const MotionVerdict bad = refuse(MotionStatus::kBadJump, from);
-  if (target >= motion_.step_count() || motion_.opcode(target) == Opcode::kTest) return bad;
+  if (target >= motion_.step_count() || is_attached(motion_.opcode(target))) return bad;
   const std::size_t first = std::min(from, target);
   const std::size_t last = std::max(from, target);
   distance += last - first;
@@ -137,7 +143,7 @@ MotionVerdict FlowCheck::check_targets() const {
 MotionVerdict FlowCheck::check_exit() const {
   const std::uint16_t exit = motion_.exit_step();
   if (exit == kNoStep) return kAccepted;
-  const bool good = exit < main_step_count() && motion_.opcode(exit) != Opcode::kTest && same_body(0, exit);
+  const bool good = exit < main_step_count() && !is_attached(motion_.opcode(exit)) && same_body(0, exit);
   return good ? kAccepted : refuse(MotionStatus::kBadExit, exit < motion_.step_count() ? exit : 0);
 }
 
@@ -178,7 +184,7 @@ MotionVerdict FlowCheck::check_time() const {
     for (std::size_t i = motion_.step_count(); i-- > 0;) {
       const Opcode opcode = motion_.opcode(i);
       const bool passes = takes_time(opcode) || opcode == Opcode::kEnd || opcode == Opcode::kFail;
-      const bool skipped = opcode == Opcode::kTest;  // no way leads to it
+      const bool skipped = is_attached(opcode);  // no way leads to it
       const bool returns = opcode == Opcode::kReturn;
       if (!settled.contains(i) && (passes || skipped || returns || leads_to(settled, timed, i))) {
         settled.insert(i);

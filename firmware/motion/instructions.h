@@ -23,7 +23,10 @@ struct Move {
   static constexpr std::uint8_t kInterpolationMask = 3;
   static constexpr std::uint8_t kBySpeed = 4;
   static constexpr std::uint8_t kAtLeast = 8;
-  static constexpr std::uint8_t kModeMask = kInterpolationMask | kBySpeed | kAtLeast;
+  static constexpr int kWindowsShift = 4;
+  static constexpr std::uint8_t kWindowsMask = 7 << kWindowsShift;
+  static constexpr std::uint8_t kModeMask = kInterpolationMask | kBySpeed | kAtLeast | kWindowsMask;
+  static constexpr std::uint8_t kMaxWindows = 4;
 
   Interpolation interpolation = Interpolation::kLinear;
   bool by_speed = false;  // `value` is the peak speed of the fastest joint, 2^-24 turn/s, instead of a time
@@ -33,15 +36,44 @@ struct Move {
   // within its speed limit in the model. Neither by speed nor a cubic, whose peak speed depends on the next
   // move.
   bool at_least = false;
+  // The number of kWindow steps that follow, at most kMaxWindows. Not by speed, with a least time, or a
+  // cubic.
+  std::uint8_t windows = 0;
 
   constexpr Step step() const {
-    const unsigned mode =
-        static_cast<unsigned>(interpolation) | (by_speed ? kBySpeed : 0u) | (at_least ? kAtLeast : 0u);
+    const unsigned mode = static_cast<unsigned>(interpolation) | (by_speed ? kBySpeed : 0u) |
+                          (at_least ? kAtLeast : 0u) | static_cast<unsigned>(windows << kWindowsShift);
     return {Opcode::kMove, pose, value, static_cast<std::uint8_t>(mode)};
   }
   static constexpr Move of(const Step& step) {
-    return {static_cast<Interpolation>(step.mode & kInterpolationMask), (step.mode & kBySpeed) != 0,
-            step.operand, step.value, (step.mode & kAtLeast) != 0};
+    return {static_cast<Interpolation>(step.mode & kInterpolationMask),
+            (step.mode & kBySpeed) != 0,
+            step.operand,
+            step.value,
+            (step.mode & kAtLeast) != 0,
+            static_cast<std::uint8_t>((step.mode & kWindowsMask) >> kWindowsShift)};
+  }
+};
+
+// kWindow: these joints turn from `start` to `end` of the time of their move, and rest before and after.
+// A joint in several windows of a move counts in the first. 0 <= start < end <= kWhole.
+struct Window {
+  static constexpr int kBits = 12;
+  static constexpr std::uint16_t kWhole = 1 << kBits;
+
+  std::uint16_t start = 0;     // in 2^-12 of the move's time, as `end`
+  std::uint16_t end = kWhole;  // at least 1
+  std::uint32_t joints = 0;    // bit i: joint i
+
+  constexpr Step step() const {
+    const unsigned times = start | (end - 1u) << kBits;
+    return {Opcode::kWindow, static_cast<std::uint16_t>(times), joints,
+            static_cast<std::uint8_t>(times >> 16)};
+  }
+  static constexpr Window of(const Step& step) {
+    const unsigned times = step.operand | unsigned{step.mode} << 16;
+    return {static_cast<std::uint16_t>(times % kWhole), static_cast<std::uint16_t>((times >> kBits) + 1u),
+            step.value};
   }
 };
 
@@ -162,6 +194,13 @@ struct Condition {
   }
 };
 
+// Returns how many of the steps that follow belong to the step: the tests of a condition, the windows of a
+// move.
+constexpr std::size_t attached_steps(const Step& step) {
+  if (has_condition(step.opcode)) return Condition::of(step).count;
+  return step.opcode == Opcode::kMove ? Move::of(step).windows : 0;
+}
+
 enum class Arithmetic : std::uint8_t {
   kAssign = 0,
   kAdd = 1,
@@ -218,16 +257,23 @@ struct Mix {
   }
 };
 
-// kStiffness.
-struct Stiffness {
+// kStiffness, kGain: a share of what a drive has by itself.
+template <Opcode kOpcode, std::uint8_t kMin_percent, std::uint8_t kMax_percent>
+struct DriveShare {
   static constexpr std::uint8_t kFull = 100;
+  static constexpr std::uint8_t kMin = kMin_percent;
+  static constexpr std::uint8_t kMax = kMax_percent;
 
-  std::uint8_t percent = kFull;  // of the drive's full torque
-  std::uint32_t joints = 0;      // bit i: joint i
+  std::uint8_t percent = kFull;
+  std::uint32_t joints = 0;  // bit i: joint i
 
-  constexpr Step step() const { return {Opcode::kStiffness, 0, joints, percent}; }
-  static constexpr Stiffness of(const Step& step) { return {step.mode, step.value}; }
+  constexpr Step step() const { return {kOpcode, 0, joints, percent}; }
+  static constexpr DriveShare of(const Step& step) { return {step.mode, step.value}; }
 };
+
+using Stiffness = DriveShare<Opcode::kStiffness, 0, 100>;  // of the full torque
+// Of the gain of the position loop. Beyond twice the gain, delays of a small servo make its loop swing.
+using Gain = DriveShare<Opcode::kGain, 1, 200>;
 
 // A lean of the trunk.
 struct Lean {

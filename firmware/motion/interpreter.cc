@@ -9,6 +9,19 @@ namespace koboshi::motion {
 
 using fixed::Angle;
 
+namespace {
+
+void put(std::uint32_t& mask, std::uint32_t joints, bool set) { mask = set ? mask | joints : mask & ~joints; }
+
+template <typename Share>
+void set_share(const Share& share, std::array<std::uint8_t, robot::kMaxJoints>& percent) {
+  for (std::size_t i = 0; i < percent.size(); ++i) {
+    if ((share.joints >> i & 1u) != 0) percent[i] = share.percent;
+  }
+}
+
+}  // namespace
+
 void Interpreter::start(const Motion& motion, std::span<const Angle> pose, const Inputs& inputs) {
   trajectory_.reset(pose);
   state_.reset();
@@ -23,7 +36,8 @@ void Interpreter::start(const Motion& motion, std::span<const Angle> pose, const
   depth_ = 0;
   lean_from_ = lean_to_ = lean_ = declared_ = {};
   stiffness_percent_.fill(Stiffness::kFull);
-  softened_ = released_ = 0;
+  gain_percent_.fill(Gain::kFull);
+  softened_ = released_ = regained_ = 0;
   work_left_ = kMaxWork;
   enter(0, inputs);
 }
@@ -106,7 +120,8 @@ int Interpreter::work_of(const Step& step) {
   if (step.opcode == Opcode::kMove) {
     const Move move = Move::of(step);
     const int work = move.interpolation == Interpolation::kCubic ? kCubicWork : kMoveWork;
-    return work + (move.by_speed ? kBySpeedWork : 0) + (move.at_least ? kAtLeastWork : 0);
+    return work + (move.by_speed ? kBySpeedWork : 0) + (move.at_least ? kAtLeastWork : 0) +
+           kStepWork * move.windows;
   }
   return has_condition(step.opcode) ? kStepWork * (1 + Condition::of(step).count) : kStepWork;
 }
@@ -142,7 +157,7 @@ bool Interpreter::begin_timed(const Step& step, const Inputs& inputs) {
     default:
       return false;
   }
-  next_index_ = static_cast<std::uint16_t>(step_index_ + 1);
+  next_index_ = step.opcode == Opcode::kMove ? following(step) : static_cast<std::uint16_t>(step_index_ + 1);
   lean_to_ = declared_;
   return true;
 }
@@ -159,6 +174,8 @@ void Interpreter::begin_move(const Move& move) {
   step_time_us_ = continues ? cubic_time_us_ : look_ahead(move);
   cubic_through_ = kNoStep;
   trajectory_.begin_move(move.interpolation, continues);
+  for (std::size_t i = 1; i <= move.windows; ++i)
+    trajectory_.add_window(Window::of(motion_.step(step_index_ + i)));
   if (move.interpolation != Interpolation::kCubic) return;
   const auto next_index = static_cast<std::uint16_t>(step_index_ + 1);
   const Step next_step = motion_.step(next_index);
@@ -208,6 +225,9 @@ std::uint16_t Interpreter::execute(const Step& step, const Inputs& inputs) {
     case Opcode::kStiffness:
       set_stiffness(Stiffness::of(step));
       return next;
+    case Opcode::kGain:
+      set_gain(Gain::of(step));
+      return next;
     case Opcode::kLean:
       declared_ = LeanDeclaration::of(step).lean();
       return next;
@@ -215,7 +235,8 @@ std::uint16_t Interpreter::execute(const Step& step, const Inputs& inputs) {
       fail();
       return next;
     case Opcode::kAwait:
-    case Opcode::kTest:  // a condition continues after its tests
+    case Opcode::kTest:  // a condition continues after its tests, a move after its windows
+    case Opcode::kWindow:
     case Opcode::kMove:  // begin_timed
     case Opcode::kWait:
       return next;
@@ -226,10 +247,9 @@ std::uint16_t Interpreter::execute(const Step& step, const Inputs& inputs) {
   return next;
 }
 
-// The step after this one, and after the tests of its condition.
+// The step after this one and those that belong to it.
 std::uint16_t Interpreter::following(const Step& step) const {
-  const unsigned tests = has_condition(step.opcode) ? Condition::of(step).count : 0u;
-  return static_cast<std::uint16_t>(step_index_ + 1u + tests);
+  return static_cast<std::uint16_t>(step_index_ + 1u + attached_steps(step));
 }
 
 std::uint16_t Interpreter::after_loop_end(const Step& step) {
@@ -261,14 +281,14 @@ std::uint16_t Interpreter::jump(std::uint16_t target, std::uint16_t otherwise) c
 }
 
 void Interpreter::set_stiffness(const Stiffness& stiffness) {
-  for (std::size_t i = 0; i < model_.joint_count; ++i) {
-    if ((stiffness.joints >> i & 1u) != 0) stiffness_percent_[i] = stiffness.percent;
-  }
-  const auto put = [&](std::uint32_t& mask, bool set) {
-    mask = set ? mask | stiffness.joints : mask & ~stiffness.joints;
-  };
-  put(softened_, stiffness.percent < Stiffness::kFull);
-  put(released_, stiffness.percent == 0);
+  set_share(stiffness, stiffness_percent_);
+  put(softened_, stiffness.joints, stiffness.percent < Stiffness::kFull);
+  put(released_, stiffness.joints, stiffness.percent == 0);
+}
+
+void Interpreter::set_gain(const Gain& gain) {
+  set_share(gain, gain_percent_);
+  put(regained_, gain.joints, gain.percent != Gain::kFull);
 }
 
 void Interpreter::end() {

@@ -76,6 +76,12 @@ class Interpreter {  // Large: the whole state of a program that runs
   }
   // Returns the joints with less than full torque; after the end, none. Bit i: joint i.
   [[nodiscard]] std::uint32_t softened() const { return running_ ? softened_ : 0; }
+  // Likewise the gain of the drives' position loops, in percent of their own, and the joints with another
+  // one.
+  [[nodiscard]] std::uint8_t gain_percent(std::size_t joint) const {
+    return running_ ? gain_percent_[joint] : Gain::kFull;
+  }
+  [[nodiscard]] std::uint32_t regained() const { return running_ ? regained_ : 0; }
   // Returns the joints of the motion, also after its end (Motion::claimed_joints).
   [[nodiscard]] std::uint32_t claimed_joints() const { return motion_.claimed_joints(); }
   // Returns the step being played, for monitoring; after the end, the one at which the motion ended.
@@ -104,6 +110,7 @@ class Interpreter {  // Large: the whole state of a program that runs
   [[nodiscard]] std::uint16_t jump(std::uint16_t target, std::uint16_t otherwise) const;
   [[nodiscard]] std::uint16_t following(const Step& step) const;
   void set_stiffness(const Stiffness& stiffness);
+  void set_gain(const Gain& gain);
   void end();
   void fail();
   void interpolate();
@@ -135,6 +142,8 @@ class Interpreter {  // Large: the whole state of a program that runs
   std::array<std::uint8_t, robot::kMaxJoints> stiffness_percent_{};
   std::uint32_t softened_ = 0;  // joints with less than full torque; bit i: joint i
   std::uint32_t released_ = 0;  // those without torque
+  std::array<std::uint8_t, robot::kMaxJoints> gain_percent_{};
+  std::uint32_t regained_ = 0;  // joints with another gain than their own
 };
 
 }  // namespace koboshi::motion

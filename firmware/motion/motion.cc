@@ -35,7 +35,7 @@ std::uint32_t joints_of_steps(const Motion& motion) {
   for (std::size_t i = 0; i < motion.step_count(); ++i) {
     const Opcode opcode = motion.opcode(i);
     if (opcode == Opcode::kMix) joints |= 1u << motion.step(i).operand;
-    if (opcode == Opcode::kStiffness) joints |= motion.step(i).value;
+    if (opcode == Opcode::kStiffness || opcode == Opcode::kGain) joints |= motion.step(i).value;
   }
   return joints;
 }

@@ -12,10 +12,12 @@
 namespace koboshi::motion {
 
 inline constexpr std::uint32_t kMotionMagic = 0x544F4D4Bu;  // "KMOT"
-inline constexpr std::uint16_t kMotionVersion = 3;          // the newest
-// The oldest version that is still played. Version 3 adds to it Move::at_least and Interpolation::kTrapezoid.
+inline constexpr std::uint16_t kMotionVersion = 4;          // the newest
+// The oldest version that is still played. Version 3 adds to it Move::at_least and Interpolation::kTrapezoid,
+// version 4 kGain and kWindow.
 inline constexpr std::uint16_t kOldestMotionVersion = 2;
 inline constexpr std::uint16_t kAtLeastVersion = 3;
+inline constexpr std::uint16_t kGainVersion = 4;  // and of kWindow
 inline constexpr std::size_t kNameSize = 24;
 inline constexpr std::size_t kMaxVariables = 16;
 inline constexpr std::size_t kMaxPoseGroups = 32;
@@ -48,9 +50,11 @@ enum class Opcode : std::uint8_t {
   kMix = 14,       // adds a correction from gyro or attitude to the target of joint `operand`
   kMixClear = 15,  // removes all corrections
   kStiffness = 16,
-  kLean = 17,  // declares an intended lean of the trunk
+  kLean = 17,    // declares an intended lean of the trunk
+  kGain = 18,    // changes the gain of the position loops
+  kWindow = 19,  // the part of the time of the kMove before it in which some of its joints turn
 };
-inline constexpr auto kLastOpcode = Opcode::kLean;
+inline constexpr auto kLastOpcode = Opcode::kWindow;
 
 struct Step {
   Opcode opcode = Opcode::kEnd;
@@ -61,6 +65,8 @@ struct Step {
 
 // Returns whether time always passes in a step of this kind. kAwait may end at once.
 constexpr bool takes_time(Opcode opcode) { return opcode == Opcode::kMove || opcode == Opcode::kWait; }
+// Returns whether the step belongs to the one before it: it is never entered by itself.
+constexpr bool is_attached(Opcode opcode) { return opcode == Opcode::kTest || opcode == Opcode::kWindow; }
 // Returns whether a condition, the kTest steps that follow, belongs to the step.
 constexpr bool has_condition(Opcode opcode) { return opcode == Opcode::kBranch || opcode == Opcode::kAwait; }
 
@@ -86,12 +92,13 @@ enum class MotionStatus : std::uint8_t {
   kBadAttitude = 18,  // of a kExpect: no direction
   kBadGroup =
       19,  // of poses: no joint, a joint that the robot has not, no pose, or a second one for its joints
-  kBadTest = 20,     // a test that belongs to no condition, or a condition with a wrong number of them
+  // A test or window that belongs to no condition or move, or one of these with a wrong number of them.
+  kBadTest = 20,
   kBadSource = 21,   // an unknown source or variable, or an index that it has not
   kBadRoutine = 22,  // a call backwards, a return from the main program, too many, or one that does not end
   kTooDeep = 23,     // loops and calls together
   kBadExit = 24,     // not a step of the main program outside all loops
-  kBadJoint = 25,    // a joint, gain, limit or percentage of a mix or stiffness
+  kBadJoint = 25,    // a joint, gain, limit or percentage of a mix, stiffness or gain
 };
 
 // The result of a validation: the reason of a refusal, and the first pose, pose group or step that violates

@@ -104,8 +104,7 @@ void Trajectory::reset(std::span<const Angle> pose) {
     targets_[i] = clamp_to_limits(model_.joints[i], pose[i]);
   from_ = targets_;
   to_ = targets_;
-  moving_ = 0;
-  through_ = 0;
+  begin_wait();
 }
 
 void Trajectory::release(std::uint32_t joints, std::span<const Angle> angles) {
@@ -166,10 +165,12 @@ std::uint32_t Trajectory::fastest_us(Interpolation interpolation) const {
 void Trajectory::begin_wait() {
   moving_ = 0;
   through_ = 0;
+  part_count_ = 0;
 }
 
 void Trajectory::begin_move(Interpolation interpolation, bool continues) {
   interpolation_ = interpolation;
+  part_count_ = 0;
   const bool cubic = interpolation == Interpolation::kCubic;
   moving_ = cubic ? joints_ahead_ : changing_ahead_;
   const std::uint32_t in_motion = continues ? through_ : 0;
@@ -180,6 +181,17 @@ void Trajectory::begin_move(Interpolation interpolation, bool continues) {
     Tangents& tangents = tangents_[joint];
     tangents = {.start = (in_motion >> joint & 1u) != 0 ? tangents.next : 0};
   });
+}
+
+void Trajectory::add_window(const Window& window) {
+  constexpr std::uint32_t kWhole = std::uint32_t{Window::kWhole} << 16;
+  KOBOSHI_ASSERT(part_count_ < parts_.size() && window.start < window.end &&
+                 interpolation_ != Interpolation::kCubic);
+  const auto part = static_cast<std::uint32_t>(window.end - window.start);
+  // Rounded up, so that the joints are at the pose at the end of the window.
+  parts_[part_count_++] = {.joints = window.joints,
+                           .start_raw = std::int32_t{window.start} << (kOneBits - Window::kBits),
+                           .rate = (kWhole + part - 1) / part};
 }
 
 void Trajectory::plan_through(std::uint32_t time_us, std::uint32_t next_time_us) {
@@ -196,20 +208,35 @@ void Trajectory::plan_through(std::uint32_t time_us, std::uint32_t next_time_us)
 }
 
 void Trajectory::interpolate(Ratio fraction) {
+  if (interpolation_ == Interpolation::kCubic) return interpolate_cubic(fraction);
+  std::uint32_t left = moving_;
+  for (std::size_t i = 0; i < part_count_; ++i) {
+    const Part& part = parts_[i];
+    const std::int64_t elapsed_raw =
+        std::max(fraction.raw() - part.start_raw, 0) * std::int64_t{part.rate} >> 16;
+    const Ratio own = Ratio::from_raw(
+        static_cast<std::int32_t>(std::min<std::int64_t>(elapsed_raw, std::int64_t{1} << kOneBits)));
+    interpolate_profile(left & part.joints, own);
+    left &= ~part.joints;
+  }
+  interpolate_profile(left, fraction);
+}
+
+void Trajectory::interpolate_profile(std::uint32_t joints, Ratio fraction) {
+  if (joints == 0) return;
   switch (interpolation_) {
-    case Interpolation::kLinear:
-      return interpolate_linearly(fraction);
     case Interpolation::kMinimumJerk:
-      return interpolate_linearly(minimum_jerk(fraction));
-    case Interpolation::kCubic:
-      return interpolate_cubic(fraction);
+      return interpolate_linearly(joints, minimum_jerk(fraction));
     case Interpolation::kTrapezoid:
-      return interpolate_linearly(trapezoid(fraction));
+      return interpolate_linearly(joints, trapezoid(fraction));
+    case Interpolation::kLinear:
+    case Interpolation::kCubic:
+      return interpolate_linearly(joints, fraction);
   }
 }
 
-void Trajectory::interpolate_linearly(Ratio fraction) {
-  for_each(moving_, [&](std::size_t joint) {
+void Trajectory::interpolate_linearly(std::uint32_t joints, Ratio fraction) {
+  for_each(joints, [&](std::size_t joint) {
     targets_[joint] = fixed::interpolate(from_[joint], to_[joint], fraction);
   });
 }

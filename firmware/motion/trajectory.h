@@ -55,6 +55,9 @@ class Trajectory {
   // Begins a move to the pose that look_ahead read. `continues`: the step before was a cubic one that was
   // planned to go on to this pose.
   void begin_move(Interpolation interpolation, bool continues);
+  // Some joints of the move that has just begun, which is not cubic, turn in a part of its time only. At most
+  // Move::kMaxWindows.
+  void add_window(const Window& window);
   // Plans the present cubic move, of `time_us`, to go on to the pose that look_ahead has read since it began.
   void plan_through(std::uint32_t time_us, std::uint32_t next_time_us);
 
@@ -80,13 +83,23 @@ class Trajectory {
   [[nodiscard]] std::int64_t difference(std::size_t joint) const {
     return std::int64_t{to_[joint].raw()} - from_[joint].raw();
   }
-  void interpolate_linearly(fixed::Ratio fraction);
+  // The part of the time in which joints of the present step turn.
+  struct Part {
+    std::uint32_t joints = 0;
+    std::int32_t start_raw = 0;  // as a Ratio
+    std::uint32_t rate = 0;      // the move's time over that of the part, 2^-16
+  };
+
+  void interpolate_profile(std::uint32_t joints, fixed::Ratio fraction);
+  void interpolate_linearly(std::uint32_t joints, fixed::Ratio fraction);
   void interpolate_cubic(fixed::Ratio fraction);
 
   const robot::RobotModel& model_;
   Interpolation interpolation_ = Interpolation::kLinear;
   std::uint32_t moving_ = 0;   // joints of the present step; bit i: joint i
   std::uint32_t through_ = 0;  // those that go on in the next one
+  std::array<Part, Move::kMaxWindows> parts_{};
+  std::size_t part_count_ = 0;
   std::array<fixed::Angle, robot::kMaxJoints> from_{};
   std::array<fixed::Angle, robot::kMaxJoints> to_{};
   std::array<fixed::Angle, robot::kMaxJoints> targets_{};

@@ -107,6 +107,7 @@ void Drive::update(const JointState& joint, std::uint64_t now_us) {
   }
   if (makes_torque() && values_.max_torque_permille > 0) {
     servo_.limit_torque(values_.max_torque_permille);
+    servo_.scale_gain(values_.position_gain_permille);
     servo_.drive(demand_.at(now_us) - home_units_);
   } else {
     servo_.release();

@@ -26,6 +26,10 @@ inline constexpr std::uint32_t kDefaultMaxAcceleration = 1'270'000'000;  // 436,
 // 0x6072: as much torque as the supply gives.
 inline constexpr std::uint16_t kFullTorque_permille = 1000;
 
+// 0x60FB:1: the gain of the servo's data, and the highest one that the drive accepts.
+inline constexpr std::uint16_t kOwnGain_permille = 1000;
+inline constexpr std::uint16_t kMaxGain_permille = 2000;
+
 // The values behind a drive's object dictionary, CiA 402. Positions in 2^-20 turn of the shaft.
 struct DriveValues {
   std::int16_t abort_connection_option = 1;  // 0x6007: a lost controller is a fault
@@ -43,6 +47,7 @@ struct DriveValues {
   std::int32_t position_actual = 0;
   std::int32_t velocity_actual = 0;                          // 0x606C: 2^-20 turn/s
   std::uint16_t max_torque_permille = kFullTorque_permille;  // 0x6072: of 0x6076
+  std::uint16_t position_gain_permille = kOwnGain_permille;  // 0x60FB:1: of the drive's own
   std::uint32_t rated_current_mA = 0;                        // 0x6075: the stall current at nominal supply
   std::int16_t current_actual_permille = 0;                  // 0x6078: of 0x6075
   std::int16_t torque_actual_permille = 0;                   // of 0x6076

@@ -201,6 +201,12 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
      {.name = "Supported homing method 2"}},
     {OBJECT(kFollowingErrorActual, 0, following_error, kReadOnly, kTpdo),
      {.name = "Following error actual value", .unit = kShaftUnit, .comment = "The demand less the shaft."}},
+    canopen::heading(cia402::kPositionControlParameters, "Position control parameter set"),
+    {OBJECT(kPositionControlParameters, 1, position_gain_permille, kReadWrite)
+         .within<std::uint16_t>(1, kMaxGain_permille),
+     {.name = "Position gain",
+      .unit = kShareUnit,
+      .comment = "Of the position loop, as a share of the gain of the servo's data. Its damping stays."}},
     {OBJECT(kPositionDemandInternal, 0, position_demand, kReadOnly, kTpdo),
      {.name = "Position demand internal value",
       .unit = kShaftUnit,

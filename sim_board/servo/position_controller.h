@@ -18,16 +18,20 @@ class PositionController {
       : gain_per_rad_(1.0 / servo.full_voltage_error_rad),
         velocity_gain_s_per_rad_(servo.velocity_gain_V_s_per_rad / servo.supply_V) {}
 
+  // Multiplies the gain on the position error, in 0.001; the damping stays.
+  void scale_gain(std::uint16_t gain_permille) { scale_ = gain_permille / 1000.0; }
+
   // Positions in units of 2^-20 turn, `previous` one period before `position`.
   double duty(std::int32_t target, std::int32_t position, std::int32_t previous) const {
     const double error_rad = (static_cast<double>(target) - position) * kRadPerPositionUnit;
     const double speed_rad_per_s =
         (static_cast<double>(position) - previous) * kRadPerPositionUnit / kPeriod_s;
-    return gain_per_rad_ * error_rad - velocity_gain_s_per_rad_ * speed_rad_per_s;
+    return scale_ * gain_per_rad_ * error_rad - velocity_gain_s_per_rad_ * speed_rad_per_s;
   }
 
  private:
   double gain_per_rad_;
+  double scale_ = 1.0;
   double velocity_gain_s_per_rad_;
 };
 

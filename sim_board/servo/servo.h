@@ -52,6 +52,8 @@ class Servo {  // Large: one member per state of its physics
   // Limits the motor's torque to this share of the stall torque at nominal supply, 0.001; 1000: no limit but
   // the supply.
   void limit_torque(std::uint16_t limit_permille) { current_limit_.set_torque_limit(limit_permille); }
+  // Multiplies the gain of the position loop, in 0.001; 1000: that of the servo's description.
+  void scale_gain(std::uint16_t gain_permille) { controller_.scale_gain(gain_permille); }
   // One period of the position loop towards `target_units`.
   void drive(std::int32_t target_units);
   // All switches open: no current flows, so no torque and no braking. Friction and the rotor's inertia

@@ -161,7 +161,7 @@ void JointRobot::limit_torques(std::span<const double> shares) {
   }
   for (std::size_t joint = 0; joint < joints.size(); ++joint) {
     power_->master.set_torque_limit(
-        joint, static_cast<std::uint16_t>(std::lround(drive::TorqueLimits::kFull_permille * shares[joint])));
+        joint, static_cast<std::uint16_t>(std::lround(drive::Setting::kOwn_permille * shares[joint])));
   }
 }
 

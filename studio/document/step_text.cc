@@ -64,6 +64,7 @@ Kind kind_of(const YamlNode& step) {
                                     Key{"call", Kind::kCall},
                                     Key{"stiffness", Kind::kStiffness},
                                     Key{"torque_off", Kind::kStiffness},
+                                    Key{"gain", Kind::kGain},
                                     Key{"mix", Kind::kMix},
                                     Key{"lean", Kind::kLean}};
   if (step.scalar == "fail") return Kind::kFail;

@@ -283,7 +283,7 @@ StepModel::StepValue StepModel::step_value(const MotionRow& row) const {
     const YamlNode* const value = step->find(key);
     if (value != nullptr && value->kind == YamlNode::Kind::kScalar) return {key, value->scalar};
   }
-  for (const char* const key : {"expect", "mix", "set", "wait", "stiffness", "lean", "fail"}) {
+  for (const char* const key : {"expect", "mix", "set", "wait", "stiffness", "gain", "lean", "fail"}) {
     if (const YamlNode* const value = step->find(key))
       return {key, flow_text(*value), value->kind != YamlNode::Kind::kScalar};
   }

@@ -38,6 +38,9 @@ BAD = {
     "two ends of a loop": lambda motion: motion["steps"][2]["loop"].update(times=5),
     "an interpolation that is not there": lambda motion: motion.update(interpolation="spline"),
     "too much stiffness": lambda motion: motion["steps"].append({"stiffness": {"knee": 101}}),
+    "one time of a joint": lambda motion: motion["steps"][0].update(during={"knee": [0.5]}),
+    "no gain": lambda motion: motion["steps"].append({"gain": {"knee": 0}}),
+    "too much gain": lambda motion: motion["steps"][0].update(gain={"knee": 201}),
     "a word that is no step": lambda motion: motion["steps"].append("halt"),
 }
 

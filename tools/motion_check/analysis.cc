@@ -86,6 +86,8 @@ std::vector<std::uint64_t> MotionAnalysis::windows(const Trajectory& trajectory)
   for (std::size_t tick = 0; tick < ticks; ++tick) {
     for (const double target_rad : trajectory.row(tick))
       add_to_hash(rows[tick], std::bit_cast<std::uint64_t>(target_rad));
+    for (const double gain : trajectory.gain_sets[trajectory.gains[tick]])
+      add_to_hash(rows[tick], std::bit_cast<std::uint64_t>(gain));
   }
   const auto before = static_cast<std::ptrdiff_t>(response_.size() - shift_);
   const auto after = static_cast<std::ptrdiff_t>(shift_ + 1);
@@ -141,7 +143,8 @@ TickState MotionAnalysis::compute(const Trajectory& trajectory, std::size_t tick
   if (trajectory.on_feet[tick]) {
     // The servos yield to the static load: a proportional position loop has a position error.
     body_.solve_at_rest(angles_, stance_);
-    for (std::size_t j = 0; j < joints; ++j) angles_[j] -= stance_.torques_Nm[j] / stiffness_Nm_[j];
+    for (std::size_t j = 0; j < joints; ++j)
+      angles_[j] -= stance_.torques_Nm[j] / (stiffness_Nm_[j] * trajectory.gain(tick, j));
     body_.solve(angles_, speeds_, accelerations_, stance_);
     const std::vector<Eigen::Vector2d> polygon = body_.support_polygon(stance_);
     state.up_B = stance_.rest.up_B;

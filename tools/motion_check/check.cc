@@ -56,6 +56,10 @@ std::string step_text(const motion::Step& step, const simulation::CompiledMotion
       return "mix";
     case kStiffness:
       return "stiffness";
+    case kGain:
+      return "gain";
+    case kWindow:
+      return "part of a move";
     case kLean:
       return "lean";
     case kEnd:

@@ -92,7 +92,8 @@ MixExtreme MixExtremes::worst_of(const Trajectory& trajectory, std::size_t tick)
     if (trajectory.on_feet[tick]) {
       // The servos yield to the load, as in MotionAnalysis.
       body_.solve_at_rest(angles_, stance_);
-      for (std::size_t j = 0; j < angles_.size(); ++j) angles_[j] -= stance_.torques_Nm[j] / stiffness_Nm_[j];
+      for (std::size_t j = 0; j < angles_.size(); ++j)
+        angles_[j] -= stance_.torques_Nm[j] / (stiffness_Nm_[j] * trajectory.gain(tick, j));
       body_.solve_at_rest(angles_, stance_);
       const Margin com = margin_in(body_.support_polygon(stance_), stance_.com_m);
       if (com.distance_m < worst.com.distance_m) {

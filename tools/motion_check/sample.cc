@@ -218,6 +218,15 @@ class Player {
     const motion::Lean lean = at.lean();
     trajectory_.add(row, step, on_feet, fixed::to_double(lean.pitch), fixed::to_double(lean.roll));
     note_mixes(at.mixes());
+    note_gains(at);
+  }
+
+  void note_gains(const Interpreter& at) {
+    if (at.regained() == 0) return;
+    std::vector<double> gains;
+    for (std::size_t j = 0; j < at.targets().size(); ++j)
+      gains.push_back(at.gain_percent(j) / double{motion::Gain::kFull});
+    trajectory_.gains.back() = trajectory_.index_of(gains);
   }
 
   void note_mixes(std::span<const motion::Mix> mixes) {

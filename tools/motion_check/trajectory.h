@@ -47,6 +47,10 @@ struct Trajectory {
   // is empty.
   std::vector<std::uint32_t> mixes{};
   std::vector<MixBounds> mix_bounds{{}};
+  // The gains of the position loops, as shares of their own: by tick an index of `gain_sets`, by joint. The
+  // first set is empty: all have their own.
+  std::vector<std::uint32_t> gains{};
+  std::vector<std::vector<double>> gain_sets{{}};
   // A joint whose corrections of kMix may turn it beyond one of its limits, where the firmware clamps it.
   struct Clamp {
     std::size_t tick = 0;     // the first one
@@ -73,7 +77,10 @@ struct Trajectory {
     return std::span(targets_rad).subspan(tick * joints, joints);
   }
   const MixBounds& bounds_at(std::size_t tick) const { return mix_bounds[mixes[tick]]; }
-  // Adds a tick without mixes.
+  double gain(std::size_t tick, std::size_t joint) const {
+    return gains[tick] == 0 ? 1.0 : gain_sets[gains[tick]][joint];
+  }
+  // Adds a tick without mixes, and with the drives' own gains.
   void add(std::span<const double> row_rad, std::uint16_t step, bool feet = true, double pitch_rad = 0.0,
            double roll_rad = 0.0) {
     joints = row_rad.size();
@@ -83,12 +90,18 @@ struct Trajectory {
     lean_pitch_rad.push_back(pitch_rad);
     lean_roll_rad.push_back(roll_rad);
     mixes.push_back(0);
+    gains.push_back(0);
   }
-  // Returns the index of these mixes in `mix_bounds`, to which it adds new ones.
-  std::uint32_t index_of(const MixBounds& bounds) {
-    const auto place = std::ranges::find(mix_bounds, bounds);
-    const auto index = static_cast<std::uint32_t>(place - mix_bounds.begin());
-    if (place == mix_bounds.end()) mix_bounds.push_back(bounds);
+  // Return the index of these mixes in `mix_bounds`, or of these gains in `gain_sets`, and add new ones.
+  std::uint32_t index_of(const MixBounds& bounds) { return index_in(mix_bounds, bounds); }
+  std::uint32_t index_of(const std::vector<double>& gain_set) { return index_in(gain_sets, gain_set); }
+
+ private:
+  template <typename Value>
+  static std::uint32_t index_in(std::vector<Value>& values, const Value& value) {
+    const auto place = std::ranges::find(values, value);
+    const auto index = static_cast<std::uint32_t>(place - values.begin());
+    if (place == values.end()) values.push_back(value);
     return index;
   }
 };

@@ -74,7 +74,7 @@ std::vector<bool> reached_steps(const motion::Motion& motion) {
 // Steps that the compiler adds have no place of their own: an end, a return, a jump past an `else`.
 bool is_own_step(Opcode opcode) {
   return opcode != Opcode::kEnd && opcode != Opcode::kReturn && opcode != Opcode::kJump &&
-         opcode != Opcode::kLoopEnd && opcode != Opcode::kTest;
+         opcode != Opcode::kLoopEnd && !motion::is_attached(opcode);
 }
 
 }  // namespace

@@ -143,7 +143,7 @@ class Mirror {
     if (key == "pose" && item.is_map()) mirror_pose(item);
     if (key == "lean") mirror_target(item);
     if (key == "expect") mirror_expect(item);
-    if (key == "stiffness") mirror_keys(item);
+    if (key == "stiffness" || key == "gain" || key == "during") mirror_keys(item);
     if (key == "torque_off") mirror_names(item);
     if (key == "mix") mirror_mix(item);
     if (key == "if") mirror_value(item);

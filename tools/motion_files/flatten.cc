@@ -70,6 +70,8 @@ class Flattener {
         return loop(step);
       case Kind::kStiffness:
         return stiffness(step.stiffness, step.place.line, limp_);
+      case Kind::kGain:
+        return note(step.place.line, "gains of the position loops are left out");
       case Kind::kCall:
         return call(step);
       case Kind::kEnd:
@@ -147,6 +149,7 @@ class Flattener {
 
   void move(const StepSource& step) {
     const simulation::PoseSource& pose = source_.poses[step.pose];
+    if (!step.windows.empty()) return move_by_parts(step, pose);
     ForeignFrame frame{.place = line_place(static_cast<std::size_t>(std::max(step.place.line, 1)))};
     frame.values.resize(last_.size());
     frame.move_us = step.speed_raw != 0 ? time_by_speed_us(step, pose)
@@ -158,12 +161,56 @@ class Flattener {
       frame.values[joint] = fixed::to_double(*pose.angles[joint]);
       last_[joint] = frame.values[joint];
     }
-    if (!step.mix.empty()) note(step.place.line, "corrections from sensors (mix) are left out");
-    if (step.lean) note(step.place.line, "a declared lean is left out");
+    note_settings(step);
     (step.interpolation == motion::Interpolation::kLinear ? linear_ : smooth_) += 1;
     std::set<std::size_t> limp = limp_;
     stiffness(step.stiffness, step.place.line, limp);
     add(std::move(frame), limp, step.place.line);
+  }
+
+  void note_settings(const StepSource& step) {
+    if (!step.mix.empty()) note(step.place.line, "corrections from sensors (mix) are left out");
+    if (!step.gain.empty()) note(step.place.line, "gains of the position loops are left out");
+    if (step.lean) note(step.place.line, "a declared lean is left out");
+  }
+
+  // A key frame at each beginning and end of a joint's own time.
+  void move_by_parts(const StepSource& step, const simulation::PoseSource& pose) {
+    std::set<std::uint16_t> keys{motion::Window::kWhole};
+    for (const motion::Window& window : step.windows) keys.insert({window.start, window.end});
+    keys.erase(0);
+    note_settings(step);
+    (step.interpolation == motion::Interpolation::kLinear ? linear_ : smooth_) += 1;
+    std::set<std::size_t> limp = limp_;
+    stiffness(step.stiffness, step.place.line, limp);
+    const std::vector<std::optional<double>> from = last_;
+    std::int64_t time_us = 0;
+    for (const std::uint16_t key : keys) {
+      ForeignFrame frame{.place = line_place(static_cast<std::size_t>(std::max(step.place.line, 1)))};
+      frame.values.resize(last_.size());
+      const std::int64_t until_us = std::int64_t{step.time_us} * key / motion::Window::kWhole;
+      frame.move_us = until_us - time_us;
+      time_us = until_us;
+      if (key == motion::Window::kWhole) frame.pause_us = step.pause_us;
+      for (std::size_t joint = 0; joint < last_.size(); ++joint) {
+        if (!pose.angles[joint]) continue;
+        const double share = share_of_way(step, joint, key);
+        const double to = fixed::to_double(*pose.angles[joint]);
+        if (share < 1.0 && !from[joint]) continue;  // nobody knows where it is
+        frame.values[joint] = share < 1.0 ? std::lerp(*from[joint], to, share) : to;
+        last_[joint] = frame.values[joint];
+      }
+      add(std::move(frame), limp, step.place.line);
+    }
+  }
+
+  // The share of its way that a joint has covered at this share of the move's time, 2^-12, if it turns
+  // evenly.
+  static double share_of_way(const StepSource& step, std::size_t joint, std::uint16_t time) {
+    motion::Window part;
+    for (const motion::Window& window : step.windows)
+      if ((window.joints >> joint & 1U) != 0) part = window;
+    return std::clamp((static_cast<double>(time) - part.start) / (part.end - part.start), 0.0, 1.0);
   }
 
   std::int64_t time_by_speed_us(const StepSource& step, const simulation::PoseSource& pose) const {

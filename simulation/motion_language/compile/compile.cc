@@ -127,12 +127,16 @@ void write_pose(ImageWriter& writer, const PoseSource& pose) {
 // Returns the oldest version of the image that has these steps, so that motions which need nothing new keep
 // their bytes and play on older firmware.
 std::uint16_t version_of(const std::vector<motion::Step>& steps) {
-  const bool is_new = std::any_of(steps.begin(), steps.end(), [](const motion::Step& step) {
+  std::uint16_t version = motion::kOldestMotionVersion;
+  for (const motion::Step& step : steps) {
     const auto move = motion::Move::of(step);
-    return step.opcode == motion::Opcode::kMove &&
-           (move.at_least || move.interpolation > motion::Interpolation::kCubic);
-  });
-  return is_new ? motion::kAtLeastVersion : motion::kOldestMotionVersion;
+    if (step.opcode == motion::Opcode::kGain || step.opcode == motion::Opcode::kWindow)
+      return motion::kGainVersion;
+    if (step.opcode == motion::Opcode::kMove &&
+        (move.at_least || move.interpolation > motion::Interpolation::kCubic))
+      version = motion::kAtLeastVersion;
+  }
+  return version;
 }
 
 std::vector<std::byte> make_image(const MotionSource& motion, const NamedModel& robot, const PoseTable& table,

@@ -125,7 +125,7 @@ class Decompiler {
       } else {
         line(indent, step_text(i, step));
       }
-      i += 1 + (motion::has_condition(step.opcode) ? motion::Condition::of(step).count : 0u);
+      i += 1 + motion::attached_steps(step);
     }
   }
 
@@ -134,7 +134,7 @@ class Decompiler {
   std::string step_text(std::size_t index, const motion::Step& step) const {
     switch (step.opcode) {
       case Opcode::kMove:
-        return move_text(motion::Move::of(step));
+        return move_text(index, motion::Move::of(step));
       case Opcode::kWait:
         return fmt::format("{{wait_s: {}}}", seconds(step.value));
       case Opcode::kJump:
@@ -160,7 +160,9 @@ class Decompiler {
       case Opcode::kMixClear:
         return "{mix: none}";
       case Opcode::kStiffness:
-        return stiffness_text(motion::Stiffness::of(step));
+        return share_text("stiffness", motion::Stiffness::of(step));
+      case Opcode::kGain:
+        return share_text("gain", motion::Gain::of(step));
       case Opcode::kLean: {
         const auto lean = motion::LeanDeclaration::of(step);
         return fmt::format("{{lean: {{pitch_deg: {}, roll_deg: {}}}}}", number_text(degrees_of(lean.pitch)),
@@ -175,7 +177,7 @@ class Decompiler {
     return fmt::format("{}.{:06}", time_us / 1'000'000, time_us % 1'000'000);
   }
 
-  static std::string move_text(const motion::Move& move) {
+  std::string move_text(std::size_t index, const motion::Move& move) const {
     std::string text = fmt::format("{{pose: p{}, ", move.pose);
     if (move.by_speed) {
       text += "speed_deg_per_s: " + number_text(move.value * 360.0 / (1 << 24));
@@ -185,7 +187,24 @@ class Decompiler {
     if (move.interpolation != motion::Interpolation::kLinear)
       text += fmt::format(", interpolation: {}",
                           kInterpolations.at(static_cast<std::size_t>(move.interpolation)));
-    return text + "}";
+    return text + during_text(index, move) + "}";
+  }
+
+  // In nanoseconds, with which a move of any length compiles to the same windows.
+  std::string during_text(std::size_t index, const motion::Move& move) const {
+    std::string text;
+    for (std::size_t i = 1; i <= move.windows; ++i) {
+      const auto window = motion::Window::of(motion_.step(index + i));
+      const auto time_s = [&](std::uint16_t share) {
+        return share * (move.value * 1e-6) / motion::Window::kWhole;
+      };
+      for (std::size_t joint = 0; joint < robot_.joint_names.size(); ++joint) {
+        if ((window.joints >> joint & 1u) != 0)
+          text += fmt::format("{}{}: [{:.9f}, {:.9f}]", text.empty() ? "" : ", ", robot_.joint_names[joint],
+                              time_s(window.start), time_s(window.end));
+      }
+    }
+    return text.empty() ? "" : ", during: {" + text + "}";
   }
 
   static std::string expect_text(const motion::ExpectedAttitude& expected) {
@@ -232,14 +251,14 @@ class Decompiler {
     return text + "}}}";
   }
 
-  std::string stiffness_text(const motion::Stiffness& stiffness) const {
+  template <typename Share>
+  std::string share_text(std::string_view key, const Share& share) const {
     std::string text;
     for (std::size_t joint = 0; joint < robot_.joint_names.size(); ++joint) {
-      if ((stiffness.joints >> joint & 1u) != 0)
-        text +=
-            fmt::format("{}{}: {}", text.empty() ? "" : ", ", robot_.joint_names[joint], stiffness.percent);
+      if ((share.joints >> joint & 1u) != 0)
+        text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", robot_.joint_names[joint], share.percent);
     }
-    return "{stiffness: {" + text + "}}";
+    return fmt::format("{{{}: {{{}}}}}", key, text);
   }
 
   const motion::Motion& motion_;

@@ -145,6 +145,7 @@ class Lowering {
       case StepKind::kFail:
         return add({Opcode::kFail, 0, 0, 0}, step.place);
       case StepKind::kStiffness:
+      case StepKind::kGain:
       case StepKind::kMix:
       case StepKind::kLean:
         return settings_.apply(step, program_);
@@ -161,10 +162,27 @@ class Lowering {
                             .by_speed = by_speed,
                             .pose = pose.value_or(0),
                             .value = by_speed ? step.speed_raw : step.time_us,
-                            .at_least = step.at_least};
+                            .at_least = step.at_least,
+                            .windows = static_cast<std::uint8_t>(step.windows.size())};
     add(pose ? move.step() : motion::Step{Opcode::kWait, 0, step.time_us, 0}, step.place);
+    if (pose) {
+      for (const motion::Window& window : step.windows) add_window(window, step);
+    }
     if (step.pause_us > 0) add({Opcode::kWait, 0, step.pause_us, 0}, step.place);
     settings_.end_move(step, next, program_);
+  }
+
+  // A group may have joints that the pose does not move.
+  void add_window(motion::Window window, const StepSource& step) {
+    const auto& angles = motion_.poses[step.pose].angles;
+    for (std::size_t joint = 0; joint < robot::kMaxJoints; ++joint) {
+      if (joint >= angles.size() || !angles[joint]) window.joints &= ~(1u << joint);
+    }
+    if (window.joints != 0) return add(window.step(), step.place);
+    diagnostics_.add({.code = code::kContradiction,
+                      .place = step.place,
+                      .found = "during for joints that the pose does not move",
+                      .expected = "joints of the pose"});
   }
 
   void lower_loop(const StepSource& step) {

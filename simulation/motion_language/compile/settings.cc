@@ -3,14 +3,39 @@
 #include <bit>
 
 namespace koboshi::simulation {
+namespace {
+
+template <typename Shares, typename Percentages>
+void keep(const Shares& settings, Percentages& percent) {
+  for (const auto& setting : settings) {
+    for (std::size_t joint = 0; joint < percent.size(); ++joint) {
+      if ((setting.joints >> joint & 1u) != 0) percent[joint] = setting.percent;
+    }
+  }
+}
+
+// Restores all joints of one percentage by one step.
+template <typename Share, typename Percentages>
+void restore(const std::vector<Share>& settings, const Percentages& percent, const Place& place,
+             ProgramWriter& program) {
+  std::uint32_t left = 0;
+  for (const Share& setting : settings) left |= setting.joints;
+  while (left != 0) {
+    Share setting{.percent = percent[static_cast<std::size_t>(std::countr_zero(left))]};
+    for (std::size_t joint = 0; joint < percent.size(); ++joint) {
+      if ((left >> joint & 1u) != 0 && percent[joint] == setting.percent) setting.joints |= 1u << joint;
+    }
+    program.add(setting.step(), place);
+    left &= ~setting.joints;
+  }
+}
+
+}  // namespace
 
 void Settings::apply(const StepSource& step, ProgramWriter& program) {
   begin_move(step, program);
-  for (const motion::Stiffness& setting : step.stiffness) {
-    for (std::size_t joint = 0; joint < stiffness_.size(); ++joint) {
-      if ((setting.joints >> joint & 1u) != 0) stiffness_[joint] = setting.percent;
-    }
-  }
+  keep(step.stiffness, stiffness_);
+  keep(step.gain, gain_);
   for (const motion::Mix& mix : step.mix) mixes_[{mix.joint, mix.source}] = mix;
   if (step.lean) lean_ = *step.lean;
   if (step.kind == StepSource::Kind::kMix && step.mix.empty()) {
@@ -22,6 +47,7 @@ void Settings::apply(const StepSource& step, ProgramWriter& program) {
 void Settings::begin_move(const StepSource& move, ProgramWriter& program) {
   if (move.lean) program.add(move.lean->step(), move.place);
   for (const motion::Stiffness& setting : move.stiffness) program.add(setting.step(), move.place);
+  for (const motion::Gain& setting : move.gain) program.add(setting.step(), move.place);
   for (const motion::Mix& mix : move.mix) program.add(mix.step(), move.place);
 }
 
@@ -31,23 +57,10 @@ void Settings::end_move(const StepSource& move, const StepSource* next, ProgramW
     const motion::Mix removed{.source = mix.source, .joint = mix.joint, .gain = 0, .limit = 0};
     program.add((before == mixes_.end() ? removed : before->second).step(), move.place);
   }
-  restore_stiffness(move, program);
+  restore(move.stiffness, stiffness_, move.place, program);
+  restore(move.gain, gain_, move.place, program);
   const bool is_replaced = next != nullptr && next->lean.has_value();
   if (move.lean && !is_replaced) program.add(lean_.step(), move.place);
-}
-
-// Restores all joints of one percentage by one step.
-void Settings::restore_stiffness(const StepSource& move, ProgramWriter& program) const {
-  std::uint32_t left = 0;
-  for (const motion::Stiffness& setting : move.stiffness) left |= setting.joints;
-  while (left != 0) {
-    motion::Stiffness setting{.percent = stiffness_[static_cast<std::size_t>(std::countr_zero(left))]};
-    for (std::size_t joint = 0; joint < stiffness_.size(); ++joint) {
-      if ((left >> joint & 1u) != 0 && stiffness_[joint] == setting.percent) setting.joints |= 1u << joint;
-    }
-    program.add(setting.step(), move.place);
-    left &= ~setting.joints;
-  }
 }
 
 }  // namespace koboshi::simulation

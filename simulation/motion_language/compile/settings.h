@@ -11,13 +11,16 @@
 
 namespace koboshi::simulation {
 
-// The stiffness, mixes and lean that the steps `stiffness`, `mix` and `lean` have set so far, in the order of
+// What the steps `stiffness`, `gain`, `mix` and `lean` have set so far, in the order of
 // the file. A move with settings of its own restores these after it.
 class Settings {
  public:
-  Settings() { stiffness_.fill(motion::Stiffness::kFull); }
+  Settings() {
+    stiffness_.fill(motion::Stiffness::kFull);
+    gain_.fill(motion::Gain::kFull);
+  }
 
-  // Writes the settings of a step `stiffness`, `mix` or `lean`, and keeps them.
+  // Writes the settings of a step `stiffness`, `gain`, `mix` or `lean`, and keeps them.
   void apply(const StepSource& step, ProgramWriter& program);
   // Writes the settings of a move, before it.
   static void begin_move(const StepSource& move, ProgramWriter& program);
@@ -26,9 +29,10 @@ class Settings {
   void end_move(const StepSource& move, const StepSource* next, ProgramWriter& program) const;
 
  private:
-  void restore_stiffness(const StepSource& move, ProgramWriter& program) const;
+  using Percentages = std::array<std::uint8_t, robot::kMaxJoints>;  // by joint
 
-  std::array<std::uint8_t, robot::kMaxJoints> stiffness_{};                    // percent, by joint
+  Percentages stiffness_{};
+  Percentages gain_{};
   std::map<std::pair<std::uint8_t, motion::MixSource>, motion::Mix> mixes_{};  // by joint and source
   motion::LeanDeclaration lean_{};
 };

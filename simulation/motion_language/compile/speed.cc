@@ -89,9 +89,19 @@ class SpeedCheck {
     const double time_s = time_of(step, pose);
     for (std::size_t i = 0; i < angles_.size(); ++i) {
       if (!pose.angles[i]) continue;
-      if (angles_[i] && !step.at_least) check_joint(step, i, distance_rad(i, pose), time_s);
+      if (angles_[i] && !step.at_least)
+        check_joint(step, i, distance_rad(i, pose), time_s * share_of(step, i));
       angles_[i] = pose.angles[i];
     }
+  }
+
+  // The share of the move's time in which a joint turns.
+  static double share_of(const StepSource& step, std::size_t joint) {
+    for (const motion::Window& window : step.windows) {
+      if ((window.joints >> joint & 1u) != 0)
+        return static_cast<double>(window.end - window.start) / motion::Window::kWhole;
+    }
+    return 1.0;
   }
 
   double distance_rad(std::size_t joint, const PoseSource& pose) const {

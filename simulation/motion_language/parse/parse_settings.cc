@@ -38,22 +38,23 @@ std::optional<std::uint32_t> SettingParser::joints(const YamlNode& node, const s
   return mask;
 }
 
-bool SettingParser::stiffness(const YamlNode& value, std::vector<motion::Stiffness>& settings) {
+template <typename Share>
+bool SettingParser::shares(const YamlNode& value, const std::string& name, std::vector<Share>& settings) {
   if (!reader_.is_map(value)) return false;
   const std::size_t errors = reader_.diagnostics().error_count();
   std::uint32_t given = 0;
   for (const YamlNode& item : value.items) {
     const auto mask = joints(item, item.key);
-    const auto percent = reader_.integer(item, {.min = 0, .max = 100});
+    const auto percent = reader_.integer(item, {.min = Share::kMin, .max = Share::kMax});
     if (!mask || !percent) continue;
     if ((given & *mask) != 0) {
       reader_.error(code::kContradiction, Reader::key_place(item),
-                    "a second stiffness for a joint of " + item.key, "one for each joint");
+                    "a second " + name + " for a joint of " + item.key, "one for each joint");
       continue;
     }
     given |= *mask;
     const auto same = std::find_if(settings.begin(), settings.end(),
-                                   [&](const motion::Stiffness& other) { return other.percent == *percent; });
+                                   [&](const Share& other) { return other.percent == *percent; });
     if (same != settings.end()) {
       same->joints |= *mask;
     } else {
@@ -61,9 +62,12 @@ bool SettingParser::stiffness(const YamlNode& value, std::vector<motion::Stiffne
     }
   }
   if (settings.empty() && reader_.diagnostics().error_count() == errors)
-    reader_.bad_value(value, "joints with their stiffness");
+    reader_.bad_value(value, "joints with their " + name);
   return reader_.diagnostics().error_count() == errors;
 }
+
+template bool SettingParser::shares(const YamlNode&, const std::string&, std::vector<motion::Stiffness>&);
+template bool SettingParser::shares(const YamlNode&, const std::string&, std::vector<motion::Gain>&);
 
 bool SettingParser::torque_off(const YamlNode& value, std::vector<motion::Stiffness>& settings) {
   if (!reader_.is_list(value)) return false;
@@ -75,6 +79,52 @@ bool SettingParser::torque_off(const YamlNode& value, std::vector<motion::Stiffn
   }
   if (value.items.empty()) reader_.bad_value(value, "at least one joint");
   settings.push_back(off);
+  return reader_.diagnostics().error_count() == errors;
+}
+
+bool SettingParser::windows(const YamlNode& value, std::uint32_t time_us,
+                            std::vector<motion::Window>& windows) {
+  if (!reader_.is_map(value)) return false;
+  const std::size_t errors = reader_.diagnostics().error_count();
+  const NumberRange range{.min = 0.0, .max = time_us * 1e-6};
+  std::uint32_t given = 0;
+  for (const YamlNode& item : value.items) {
+    const auto mask = joints(item, item.key);
+    if (!reader_.is_list(item) || !mask) continue;
+    if (item.items.size() != 2) {
+      reader_.bad_value(item, "a list of two times in s");
+      continue;
+    }
+    const auto from_s = reader_.number(item.items[0], range);
+    const auto to_s = reader_.number(item.items[1], range);
+    if (!from_s || !to_s) continue;
+    const auto share = [&](double time_s) {
+      return std::lround(time_s * 1e6 / time_us * motion::Window::kWhole);
+    };
+    if (share(*from_s) >= share(*to_s)) {
+      reader_.bad_value(item, "an end that is later than the beginning by 1/4096 of the move");
+      continue;
+    }
+    if ((given & *mask) != 0) {
+      reader_.error(code::kContradiction, Reader::key_place(item), "a second time for a joint of " + item.key,
+                    "one for each joint");
+      continue;
+    }
+    given |= *mask;
+    const motion::Window window{.start = static_cast<std::uint16_t>(share(*from_s)),
+                                .end = static_cast<std::uint16_t>(share(*to_s)),
+                                .joints = *mask};
+    const auto same = std::ranges::find_if(windows, [&](const motion::Window& other) {
+      return other.start == window.start && other.end == window.end;
+    });
+    if (same != windows.end()) {
+      same->joints |= *mask;
+    } else {
+      windows.push_back(window);
+    }
+  }
+  if (windows.size() > motion::Move::kMaxWindows) reader_.bad_value(value, "at most 4 different times");
+  if (value.items.empty()) reader_.bad_value(value, "joints with the times in which they turn");
   return reader_.diagnostics().error_count() == errors;
 }
 

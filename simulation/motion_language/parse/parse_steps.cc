@@ -28,8 +28,8 @@ struct StepKeys {
 
 const std::vector<StepKeys> kStepKeys{
     {"pose",
-     {"time_s", "speed_deg_per_s", "at_least_s", "interpolation", "pause_s", "mirror", "lean", "stiffness",
-      "mix"},
+     {"time_s", "speed_deg_per_s", "at_least_s", "interpolation", "pause_s", "mirror", "during", "lean",
+      "stiffness", "gain", "mix"},
      1},
     {"loop", {}},
     {"expect", {}},
@@ -42,6 +42,7 @@ const std::vector<StepKeys> kStepKeys{
     {"call", {}, 0, 2},
     {"stiffness", {}, 0, 2},
     {"torque_off", {}, 0, 2},
+    {"gain", {}, 0, 2},
     {"mix", {}, 0, 2},
     {"lean", {}, 0, 2},
     {"branch", {}, 0, 2},
@@ -180,9 +181,13 @@ bool StepParser::parse_setting(const std::string& kind, const YamlNode& value, S
     step.lean = motion::LeanDeclaration{};
     return is_none || settings_.lean(value, step.lean);
   }
+  if (kind == "gain") {
+    step.kind = StepKind::kGain;
+    return settings_.shares(value, kind, step.gain);
+  }
   step.kind = StepKind::kStiffness;
   return kind == "torque_off" ? settings_.torque_off(value, step.stiffness)
-                              : settings_.stiffness(value, step.stiffness);
+                              : settings_.shares(value, kind, step.stiffness);
 }
 
 bool StepParser::set_text(const YamlNode& node, std::string& text) {
@@ -215,11 +220,24 @@ bool StepParser::parse_move(const YamlNode& map, const YamlNode& value, StepSour
     if (const auto interpolation = parse_interpolation(*node, reader_)) step.interpolation = *interpolation;
   }
   parse_timing(map, step);
+  if (const YamlNode* node = map.find("during")) parse_during(*node, step);
   if (map.find("pause_s") != nullptr) step.pause_us = time_us(map, "pause_s").value_or(0);
-  if (const YamlNode* node = map.find("stiffness")) settings_.stiffness(*node, step.stiffness);
+  if (const YamlNode* node = map.find("stiffness")) settings_.shares(*node, node->key, step.stiffness);
+  if (const YamlNode* node = map.find("gain")) settings_.shares(*node, node->key, step.gain);
   if (const YamlNode* node = map.find("mix")) settings_.mix(*node, step.mix);
   if (const YamlNode* node = map.find("lean")) settings_.lean(*node, step.lean);
   return pose && reader_.diagnostics().error_count() == errors;
+}
+
+void StepParser::parse_during(const YamlNode& node, StepSource& step) {
+  const bool is_cubic = step.interpolation == motion::Interpolation::kCubic;
+  if (is_cubic || step.at_least || step.speed_raw != 0) {
+    reader_.error(code::kContradiction, Reader::key_place(node),
+                  std::string("during in a move ") + (is_cubic ? "that is cubic" : "without time_s"),
+                  "a move with time_s that is linear, minimum_jerk or a trapezoid");
+  } else if (step.time_us != 0) {
+    settings_.windows(node, step.time_us, step.windows);
+  }
 }
 
 // Parses the one of time_s, speed_deg_per_s and at_least_s that the move has.

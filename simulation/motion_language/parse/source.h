@@ -75,6 +75,7 @@ struct StepSource {
     kReturn,
     kFail,
     kStiffness,
+    kGain,
     kMix,
     kLean,
     kEnd
@@ -88,7 +89,8 @@ struct StepSource {
   std::uint32_t speed_raw = 0;  // kMove: peak speed in 2^-24 turn/s; 0: `time_us` counts
   bool at_least = false;        // kMove: `time_us` is the least time; each joint's speed limit may take more
   motion::Interpolation interpolation = motion::Interpolation::kLinear;  // kMove
-  std::uint32_t pause_us = 0;                                            // kMove; 0: none
+  std::vector<motion::Window> windows = {};  // kMove: joints that turn in a part of `time_us` only
+  std::uint32_t pause_us = 0;                // kMove; 0: none
   LoopKind loop = LoopKind::kTimes;
   std::uint16_t times = 0;                   // kLoop; 0: until stopped
   std::vector<StepSource> body = {};         // kLoop, kIf
@@ -100,6 +102,7 @@ struct StepSource {
   motion::ExpectedAttitude attitude = {};            // kExpect
   std::vector<Assignment> assignments = {};          // kSet
   std::vector<motion::Stiffness> stiffness = {};     // kStiffness, kMove
+  std::vector<motion::Gain> gain = {};               // kGain, kMove
   std::vector<motion::Mix> mix = {};                 // kMix (empty: removes all), kMove
   std::optional<motion::LeanDeclaration> lean = {};  // kLean, kMove
 };

@@ -1,4 +1,4 @@
-// Stiffness and torque off of motions, on a fake board with stub drives.
+// Stiffness, torque off and gains of motions, on a fake board with stub drives.
 
 #include <gtest/gtest.h>
 
@@ -22,6 +22,7 @@ constexpr std::int16_t kSoft = 1;   // softens all joints while it moves the kne
 constexpr std::int16_t kFails = 2;  // the same, but fails
 constexpr std::int16_t kFree = 3;   // releases the head, then tilts it to 20 degrees in a second
 constexpr std::int16_t kLoop = 4;   // softens the knee until stopped
+constexpr std::int16_t kGains = 5;  // gives the knee half its gain, and the head 150 percent
 constexpr std::uint32_t kAllJoints = (1u << 20) - 1;
 constexpr std::uint32_t kFull = 1'000;
 
@@ -54,9 +55,26 @@ class StiffnessTest : public testing::Test {
             .step(kLoopEnd, 2)
             .step(kEnd)
             .image(),
+        MotionBuilder(model)
+            .pose(kKnee, 40)
+            .step(motion::Gain{.percent = 50, .joints = 1u << kKnee}.step())
+            .step(motion::Gain{.percent = 150, .joints = 1u << kHeadTilt}.step())
+            .step(kMove, 0, 300'000)
+            .step(kEnd)
+            .image(),
     };
     bench.restart(test::make_storage(model_image, motions, test::encode(test::factory_values(), model.id)));
     ASSERT_TRUE(bench.run_until_ready_to_walk());
+  }
+  std::uint32_t gain(std::size_t joint) const { return bench.drives[joint].object(0x60FB, 1); }
+  // Emergencies with this code since the last call of `bench.sent.clear()`.
+  int reports_of(std::uint16_t code) const {
+    int reports = 0;
+    for (const auto& sent : bench.sent) {
+      const auto emergency = canopen::decode_emergency(sent.frame);
+      reports += emergency && emergency->code == code ? 1 : 0;
+    }
+    return reports;
   }
   std::uint32_t limit(std::size_t joint) const { return bench.drives[joint].object(0x6072, 0); }
   // Returns the number of drives with this torque limit.
@@ -159,12 +177,35 @@ TEST_F(StiffnessTest, OfADriveWithoutTorqueLimitIsReportedOnceAndTheMotionGoesOn
   bench.run_ms(500);
   EXPECT_EQ(bench.now().state, State::kStanding);
   EXPECT_EQ(bench.values().diagnosis.without_torque_limit, 1u << 7);
-  int reports = 0;
-  for (const auto& sent : bench.sent) {
-    if (const auto emergency = canopen::decode_emergency(sent.frame))
-      reports += emergency->code == 0xFF01 ? 1 : 0;
+  EXPECT_EQ(reports_of(0xFF01), 1);
+}
+
+TEST_F(StiffnessTest, GainsReachTheDrivesAndEndWithTheMotion) {
+  bench.command(Command::kPlay, kGains);
+  bench.run_ms(50);
+  EXPECT_EQ(gain(kKnee), 500u);
+  EXPECT_EQ(gain(kHeadTilt), 1'500u);
+  EXPECT_EQ(count(kFull), 20) << "all drives keep their torque";
+  ASSERT_TRUE(bench.run_until(State::kStanding, 500));
+  bench.run_ms(50);
+  EXPECT_EQ(gain(kKnee), 1'000u);
+  EXPECT_EQ(gain(kHeadTilt), 1'000u);
+}
+
+TEST_F(StiffnessTest, OfADriveWithoutAGainIsReportedOnceAndTheMotionGoesOn) {
+  bench.drives[kKnee].refuses = canopen::ObjectAddress{0x60FB, 1};
+  bench.sent.clear();
+  for (int i = 0; i < 2; ++i) {
+    bench.command(Command::kPlay, kGains);
+    bench.run_ms(100);
+    EXPECT_EQ(bench.now().state, State::kMotion);
+    EXPECT_EQ(gain(kHeadTilt), 1'500u);
+    ASSERT_TRUE(bench.run_until(State::kStanding, 500));
   }
-  EXPECT_EQ(reports, 1);
+  EXPECT_EQ(bench.values().diagnosis.without_position_gain, 1u << kKnee);
+  EXPECT_EQ(bench.values().diagnosis.without_torque_limit, 0u);
+  EXPECT_EQ(reports_of(0xFF03), 1);
+  EXPECT_EQ(reports_of(0xFF01), 0);
 }
 
 TEST_F(StiffnessTest, AJointWithoutTorqueStartsItsNextMoveWhereItIs) {

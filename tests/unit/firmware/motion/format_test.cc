@@ -17,8 +17,8 @@ using enum MotionStatus;
 TEST(MotionNumbers, AreThoseOfTheFormat) {
   int number = 0;
   for (const Opcode opcode :
-       {kEnd, kMove, kWait, kLoopBegin, kLoopEnd, kJump, kExpect, Opcode::kTest, kBranch, kAwait, kSet, kCall,
-        kReturn, kFail, kMix, kMixClear, kStiffness, kLean})
+       {kEnd, kMove, kWait,   kLoopBegin, kLoopEnd, kJump,     kExpect,    Opcode::kTest, kBranch, kAwait,
+        kSet, kCall, kReturn, kFail,      kMix,     kMixClear, kStiffness, kLean,         kGain,   kWindow})
     EXPECT_EQ(static_cast<int>(opcode), number++);
   EXPECT_EQ(static_cast<int>(kLastOpcode) + 1, number);
   number = 0;
@@ -56,7 +56,7 @@ TEST(MotionNumbers, AreThoseOfTheFormat) {
                                             Interpolation::kCubic, Interpolation::kTrapezoid})
     EXPECT_EQ(static_cast<int>(interpolation), number++);
   EXPECT_EQ(kMotionMagic, 0x544F'4D4Bu);
-  EXPECT_EQ(kMotionVersion, 3);
+  EXPECT_EQ(kMotionVersion, 4);
   EXPECT_EQ(kOldestMotionVersion, 2);
   EXPECT_EQ(kNameSize, 24u);
   EXPECT_EQ(kMaxVariables, 16u);
@@ -73,6 +73,7 @@ TEST(MotionNumbers, AreThoseOfTheFormat) {
   EXPECT_EQ(Mix::kMinLimit, 182);
   EXPECT_EQ(Mix::kMaxLimit, 2731);
   EXPECT_EQ(Stiffness::kFull, 100);
+  EXPECT_EQ(Gain::kFull, 100);
 }
 
 // The fields of each step lie where the format puts them.
@@ -101,6 +102,17 @@ TEST(MotionNumbers, OfTheFieldsOfEachStep) {
   expect_step(Mix{MixSource::kPitch, 19, -1, 2731}.step(), kMix, 4, 19, 0x0AAB'FFFF);
   expect_step(Stiffness().step(), kStiffness, 100, 0, 0);
   expect_step(Stiffness{30, 0x80001}.step(), kStiffness, 30, 0, 0x80001);
+  expect_step(Move{.pose = 2, .value = 3, .windows = 4}.step(), kMove, 0x40, 2, 3);
+  expect_step(Window().step(), kWindow, 0xFF, 0xF000, 0);
+  expect_step(Window{0x123, 0x457, 0x80001}.step(), kWindow, 0x45, 0x6123, 0x80001);
+  for (const Window window : {Window{0, 1, 1}, Window{4'095, 4'096, 2}, Window{17, 3'000, 1u << 30}}) {
+    const Window decoded = Window::of(window.step());
+    EXPECT_EQ(decoded.start, window.start);
+    EXPECT_EQ(decoded.end, window.end);
+    EXPECT_EQ(decoded.joints, window.joints);
+  }
+  expect_step(Gain().step(), kGain, 100, 0, 0);
+  expect_step(Gain{200, 0x80001}.step(), kGain, 200, 0, 0x80001);
   expect_step(LeanDeclaration().step(), kLean, 0, 0, 0);
   expect_step(LeanDeclaration{-1, 2}.step(), kLean, 0, 0xFFFF, 2);
   EXPECT_EQ((LeanDeclaration{-1, 2}.lean()),

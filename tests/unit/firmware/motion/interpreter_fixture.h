@@ -27,6 +27,13 @@ class InterpreterTest : public testing::Test {
     builder.pose(kKnee, 0).pose(kKnee, 60).pose(kKnee, 20);
     return builder;
   }
+  // Pose 0: left knee and head at these angles.
+  test::MotionBuilder knee_and_pan(double knee_deg, double pan_deg) const {
+    test::MotionBuilder builder(model_);
+    builder.packed_pose(1u << kKnee | 1u << kPan,
+                        {pose_number(test::degrees(knee_deg)), pose_number(test::degrees(pan_deg))});
+    return builder;
+  }
   void start(const test::MotionBuilder& builder) {
     image_ = builder.image();
     Motion motion;
@@ -35,6 +42,7 @@ class InterpreterTest : public testing::Test {
     interpreter_.start(motion, pose_, inputs_);
   }
   double knee_deg() const { return fixed::to_double(interpreter_.targets()[kKnee]) / test::kRadPerDegree; }
+  double pan_deg() const { return fixed::to_double(interpreter_.targets()[kPan]) / test::kRadPerDegree; }
   // The knee's target with corrections.
   double corrected_knee_deg() {
     std::array<fixed::Angle, 20> targets{};

@@ -73,6 +73,10 @@ std::vector<Step> every_opcode(Random& random) {
       {kWait, 0, 2'000},
       {kReturn},
       Assignment{0, Arithmetic::kAdd, false, 1}.step(),
+      Gain{150, kLeft}.step(),
+      Move{.pose = 2, .value = 4'000, .windows = 2}.step(),
+      Window{.start = 10, .end = 1'000, .joints = kLeft}.step(),
+      Window{.start = 4'095, .end = 4'096, .joints = 1}.step(),
       {kReturn},
   };
 }

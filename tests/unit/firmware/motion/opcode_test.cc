@@ -341,6 +341,75 @@ TEST_F(OpcodeTest, StiffnessLastsUntilTheEndOfTheMotion) {
   EXPECT_EQ(interpreter_.softened(), 0u);
 }
 
+// The knee turns in the middle half of its move, the head in all of it.
+TEST_F(OpcodeTest, AWindowIsThePartOfAMoveInWhichAJointTurns) {
+  for (const Interpolation interpolation :
+       {Interpolation::kLinear, Interpolation::kMinimumJerk, Interpolation::kTrapezoid}) {
+    test::MotionBuilder builder = knee_and_pan(40, 20);
+    start(builder.step(Move{.interpolation = interpolation, .value = 400'000, .windows = 1}.step())
+              .step(Window{.start = 1'024, .end = 3'072, .joints = 1u << kKnee}.step())
+              .step(kWait, 0, 100'000)
+              .step(kEnd));
+    const double from_deg = knee_deg();
+    const double pan_from_deg = pan_deg();
+    // A move of the same shape over the part's time, and one over the whole.
+    const auto share = [&](double s) {
+      if (interpolation == Interpolation::kLinear) return s;
+      if (interpolation == Interpolation::kMinimumJerk) return s * s * s * (10 + s * (6 * s - 15));
+      return s < 1.0 / 3 ? 2.25 * s * s : s < 2.0 / 3 ? 1.5 * s - 0.25 : 1 - 2.25 * (1 - s) * (1 - s);
+    };
+    for (int tick = 1; tick <= 40; ++tick) {
+      advance(10'000);
+      const double s = std::clamp((tick / 40.0 - 0.25) / 0.5, 0.0, 1.0);
+      EXPECT_NEAR(knee_deg(), std::lerp(from_deg, test::stored_deg(40), share(s)), 2e-3) << tick;
+      EXPECT_NEAR(pan_deg(), std::lerp(pan_from_deg, test::stored_deg(20), share(tick / 40.0)), 2e-3) << tick;
+    }
+    EXPECT_TRUE(interpreter_.running()) << "the step after the window is played";
+    advance(100'000);
+    EXPECT_FALSE(interpreter_.running());
+  }
+}
+
+// Each window has joints of its own, and the next move has none of them.
+TEST_F(OpcodeTest, WindowsAreThoseOfOneMove) {
+  test::MotionBuilder builder = knee_and_pan(40, 20);
+  builder.packed_pose(1u << kKnee | 1u << kPan, {0, 0});
+  start(builder.step(Move{.value = 100'000, .windows = 2}.step())
+            .step(Window{.start = 0, .end = 2'048, .joints = 1u << kKnee | 1u << kPan}.step())
+            .step(Window{.start = 2'048, .end = 4'096, .joints = 1u << kPan}.step())
+            .step(Move{.pose = 1, .value = 100'000}.step())
+            .step(kEnd));
+  advance(50'000);
+  EXPECT_NEAR(knee_deg(), test::stored_deg(40), 2e-3);
+  EXPECT_NEAR(pan_deg(), test::stored_deg(20), 2e-3) << "the first window counts";
+  advance(100'000);
+  EXPECT_NEAR(knee_deg(), test::stored_deg(40) / 2, 2e-3);
+  EXPECT_NEAR(pan_deg(), test::stored_deg(20) / 2, 2e-3);
+}
+
+TEST_F(OpcodeTest, GainLastsUntilTheEndOfTheMotion) {
+  const Step changed = Gain{.percent = 40, .joints = 1u << kKnee | 1u << kPan}.step();
+  const Step stiffer = Gain{.percent = 150, .joints = 1u << kKnee}.step();
+  const Step own = Gain{.percent = 100, .joints = 1u << kPan}.step();
+  start(knee_poses()
+            .step(changed)
+            .step(kWait, 0, 10'000)
+            .step(stiffer)
+            .step(own)
+            .step(kWait, 0, 10'000)
+            .step(kEnd));
+  EXPECT_EQ(interpreter_.gain_percent(kKnee), 40);
+  EXPECT_EQ(interpreter_.regained(), 1u << kKnee | 1u << kPan);
+  EXPECT_EQ(interpreter_.softened(), 0u) << "the torque is another setting";
+  advance(15'000, 5'000);
+  EXPECT_EQ(interpreter_.gain_percent(kKnee), 150);
+  EXPECT_EQ(interpreter_.gain_percent(kPan), 100);
+  EXPECT_EQ(interpreter_.regained(), 1u << kKnee);
+  advance(10'000);
+  EXPECT_EQ(interpreter_.gain_percent(kKnee), 100);
+  EXPECT_EQ(interpreter_.regained(), 0u);
+}
+
 TEST_F(OpcodeTest, StiffnessOfZeroLetsTheTargetFollowTheJoint) {
   const auto stiffness = [](std::uint8_t percent) {
     return Stiffness{.percent = percent, .joints = 1u << kKnee}.step();

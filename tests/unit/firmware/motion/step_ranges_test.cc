@@ -71,7 +71,7 @@ TEST_F(StepRanges, OfMoves) {
   EXPECT_EQ(of_move({.by_speed = true, .value = kMaxStepTime_us + 1}), kOk);
   EXPECT_EQ(of_move({.pose = kPoseCount - 1, .value = kMinStepTime_us}), kOk);
   EXPECT_EQ(of_move({.pose = kPoseCount, .value = kMinStepTime_us}), kNoSuchPose);
-  EXPECT_EQ(of(with_mode(Move{.value = kMinStepTime_us}.step(), 16)), kBadOpcode);
+  EXPECT_EQ(of(with_mode(Move{.value = kMinStepTime_us}.step(), 128)), kBadOpcode);
   EXPECT_EQ(of_move({.value = kMinStepTime_us, .at_least = true}), kOk);
   EXPECT_EQ(of_move({.value = kMinStepTime_us - 1, .at_least = true}), kBadStepTime);
   EXPECT_EQ(of_move({.by_speed = true, .value = kMinStepTime_us, .at_least = true}), kBadOpcode);
@@ -105,7 +105,7 @@ TEST_F(StepRanges, OfTheVersionOfTheImage) {
   EXPECT_EQ(of_version(3, plain), kOk);
   EXPECT_EQ(of_version(3, least), kOk);
   EXPECT_EQ(of_version(3, trapezoid), kOk);
-  for (const unsigned version : {0u, 1u, 4u, 258u})
+  for (const unsigned version : {0u, 1u, 5u, 258u})
     EXPECT_EQ(of_version(version, plain), MotionStatus::kBadVersion);
 }
 
@@ -229,6 +229,81 @@ TEST_F(StepRanges, OfStiffness) {
   Step step = Stiffness{.joints = 1}.step();
   step.operand = 1;
   EXPECT_EQ(of(step), kBadOpcode);
+}
+
+TEST_F(StepRanges, OfGains) {
+  EXPECT_EQ(of(Gain{.percent = 1, .joints = 1u << (kJointCount - 1)}.step()), kOk);
+  EXPECT_EQ(of(Gain{.percent = 200, .joints = 1}.step()), kOk);
+  EXPECT_EQ(of(Gain{.percent = 0, .joints = 1}.step()), kBadJoint);
+  EXPECT_EQ(of(Gain{.percent = 201, .joints = 1}.step()), kBadJoint);
+  EXPECT_EQ(of(Gain{.percent = 100, .joints = 0}.step()), kBadJoint);
+  EXPECT_EQ(of(Gain{.percent = 100, .joints = 1u << kJointCount}.step()), kBadJoint);
+  Step step = Gain{.joints = 1}.step();
+  step.operand = 1;
+  EXPECT_EQ(of(step), kBadOpcode);
+}
+
+TEST_F(StepRanges, GainsAndWindowsBeginWithVersion4) {
+  for (const std::uint16_t version : {std::uint16_t{2}, std::uint16_t{3}, std::uint16_t{4}}) {
+    const auto status_of = [&](const std::vector<Step>& steps) {
+      MotionBuilder builder(model_);
+      builder.pose(3, 10).version = version;
+      for (const Step& step : steps) builder.step(step);
+      Motion opened;
+      return Motion::open(builder.step(kEnd).image(), model_, opened).status;
+    };
+    const MotionStatus expected = version < 4 ? kBadOpcode : kOk;
+    EXPECT_EQ(status_of({Gain{.joints = 1}.step(), {kMove, 0, 10'000}}), expected) << version;
+    EXPECT_EQ(status_of({Move{.value = 10'000, .windows = 1}.step(), Window{.joints = 1}.step()}), expected);
+  }
+}
+
+TEST_F(StepRanges, OfWindows) {
+  const auto of_windows = [this](const Move& move, const std::vector<Step>& windows) {
+    MotionBuilder builder(model_);
+    builder.pose(3, 10).step(move.step());
+    for (const Step& window : windows) builder.step(window);
+    Motion opened;
+    return Motion::open(builder.step(kEnd).image(), model_, opened).status;
+  };
+  const Move one{.value = 10'000, .windows = 1};
+  const Step good = Window{.start = 1, .end = 2, .joints = 1u << (kJointCount - 1)}.step();
+  EXPECT_EQ(of_windows(one, {good}), kOk);
+  EXPECT_EQ(of_windows(one, {Window{.start = 2, .end = 2, .joints = 1}.step()}), kBadStepTime);
+  EXPECT_EQ(of_windows(one, {Window{.joints = 0}.step()}), kBadJoint);
+  EXPECT_EQ(of_windows(one, {Window{.joints = 1u << kJointCount}.step()}), kBadJoint);
+  EXPECT_EQ(of_windows(one, {}), kBadTest) << "a window is missing";
+  EXPECT_EQ(of_windows(one, {good, good}), kBadTest) << "one too many";
+  EXPECT_EQ(of_windows(one, {motion::Test{{Source::kTime}}.step()}), kBadTest) << "a test is no window";
+  Move move{.value = 10'000, .windows = Move::kMaxWindows};
+  EXPECT_EQ(of_windows(move, {good, good, good, good}), kOk);
+  ++move.windows;
+  EXPECT_EQ(of_windows(move, {good, good, good, good, good}), kBadTest);
+  Move other = one;
+  other.interpolation = Interpolation::kCubic;
+  EXPECT_EQ(of_windows(other, {good}), kBadOpcode);
+  other = one;
+  other.at_least = true;
+  EXPECT_EQ(of_windows(other, {good}), kBadOpcode);
+  other = one;
+  other.by_speed = true;
+  EXPECT_EQ(of_windows(other, {good}), kBadOpcode);
+}
+
+// A condition cannot have a window for a test, and nothing leads to a window.
+TEST_F(StepRanges, OfWayToWindows) {
+  const auto status_of = [this](const std::vector<Step>& steps) {
+    MotionBuilder builder(model_);
+    builder.pose(3, 10);
+    for (const Step& step : steps) builder.step(step);
+    Motion opened;
+    return Motion::open(builder.step(kEnd).image(), model_, opened).status;
+  };
+  const Step move = Move{.value = 10'000, .windows = 1}.step();
+  const Step window = Window{.joints = 1}.step();
+  EXPECT_EQ(status_of({move, window, {kJump, 0}}), kOk);
+  EXPECT_EQ(status_of({move, window, {kJump, 1}}), kBadJump);
+  EXPECT_EQ(status_of({Condition{}.branch(2), window, move, window}), kBadTest);
 }
 
 TEST_F(StepRanges, OfLeans) {

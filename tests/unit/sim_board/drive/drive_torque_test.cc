@@ -1,6 +1,6 @@
 #include "tests/unit/sim_board/drive/drive_bench.h"
 
-// The torque limit of a drive, 0x6072.
+// The torque limit of a drive, 0x6072, and the gain of its position loop, 0x60FB:1.
 namespace koboshi::sim_board {
 namespace {
 
@@ -67,6 +67,37 @@ TEST_F(DriveTorque, RefusesWhatIsOutOfRange) {
   EXPECT_EQ(abort_of({0x6072, 0}, 5, 1), 0x0607'0013u);
   EXPECT_EQ(abort_of({0x6072, 1}, 500, 2), 0x0609'0011u);
   EXPECT_EQ(drive->values().max_torque_permille, 1'000);
+}
+
+// The torque at the start of a motor that is held a little away from its target.
+TEST_F(DriveTorque, GrowsWithTheGainOfThePositionLoop) {
+  constexpr std::int32_t kNear = 5'000;  // 1.7 degrees
+  target = kNear;
+  run_ms(2'000);
+  const double own_Nm = torque.drive_Nm;
+  ASSERT_GT(own_Nm, 0.02 * stall_Nm());
+  ASSERT_LT(own_Nm, 0.4 * stall_Nm());
+  for (const std::uint32_t permille : {2'000u, 500u, 100u, 1u}) {
+    write({0x60FB, 1}, permille, 2);
+    run_ms(5);
+    EXPECT_NEAR(torque.drive_Nm, own_Nm * permille / 1'000, 1e-9) << permille;
+  }
+  write({0x60FB, 1}, 500, 2);
+  target = kFarAway;
+  run_ms(2'000);
+  EXPECT_GT(torque.drive_Nm, 0.9 * stall_Nm()) << "the gain is no limit of the torque";
+}
+
+TEST_F(DriveTorque, GainRefusesWhatIsOutOfRangeAndIsItsOwnAfterAReset) {
+  EXPECT_EQ(drive->values().position_gain_permille, 1'000);
+  EXPECT_EQ(abort_of({0x60FB, 1}, 0, 2), 0x0609'0032u);
+  EXPECT_EQ(abort_of({0x60FB, 1}, 2'001, 2), 0x0609'0031u);
+  EXPECT_EQ(abort_of({0x60FB, 1}, 500, 4), 0x0607'0012u);
+  write({0x60FB, 1}, 200, 2);
+  EXPECT_EQ(drive->values().position_gain_permille, 200);
+  say({.identifier = 0x000, .size = 2, .data = {0x81, kNode}});
+  run_ms(5);
+  EXPECT_EQ(drive->values().position_gain_permille, 1'000);
 }
 
 TEST_F(DriveTorque, IsFullAgainAfterAReset) {

@@ -192,6 +192,39 @@ TEST(MotionLanguage, TakesSettingsOfAStepBack) {
           "{pose: p0, time_s: 1.000000}", "end"));
 }
 
+TEST(MotionLanguage, WritesTheTimesOfJointsBehindTheirMove) {
+  EXPECT_THAT(
+      lowered("steps:\n"
+              "  - {pose: {head_pan: 10, knee: 20}, time_s: 2, pause_s: 1,\n"
+              "     during: {head: [0.5, 1], left_leg: [0, 1.5], right_knee: [0, 1.5]}}\n"),
+      testing::ElementsAre("{pose: p3, time_s: 2.000000, during: {head_pan: [0.500000000, 1.000000000], "
+                           "left_knee: [0.000000000, 1.500000000], right_knee: [0.000000000, "
+                           "1.500000000]}}",
+                           "{wait_s: 1.000000}", "end"));
+}
+
+// The head turns by 60 degrees in 0.2 s, which its servo can, and in a quarter of that, which it cannot.
+TEST(MotionLanguage, JudgesTheSpeedOfAJointByItsOwnTime) {
+  const auto codes = [](const char* during) {
+    return compile_text(version_2(("steps:\n  - {pose: {head_pan: 0}, time_s: 1}\n  - {pose: {head_pan: 60}, "
+                                   "time_s: 0.2" +
+                                   std::string(during) + "}\n")
+                                      .c_str()))
+        .codes();
+  };
+  EXPECT_EQ(codes(""), "");
+  EXPECT_EQ(codes(", during: {head_pan: [0, 0.05]}"), "M040");
+}
+
+TEST(MotionLanguage, TakesGainsOfAMoveBack) {
+  EXPECT_THAT(lowered("steps:\n"
+                      "  - {gain: {head: 60}}\n"
+                      "  - {pose: bend, time_s: 1, gain: {head_pan: 150, left_knee: 30}}\n"),
+              testing::ElementsAre("{gain: {head_pan: 60, head_tilt: 60}}", "{gain: {head_pan: 150}}",
+                                   "{gain: {left_knee: 30}}", "{pose: p0, time_s: 1.000000}",
+                                   "{gain: {left_knee: 100}}", "{gain: {head_pan: 60}}", "end"));
+}
+
 TEST(MotionLanguage, MirrorsMixesOfBothSides) {
   EXPECT_THAT(lowered("steps: [{mix: {ankle_roll: {roll_rate: 0.25, limit_deg: 5}}}, {mix: none}]\n"),
               testing::ElementsAre("{mix: {left_ankle_roll: {roll_rate: 0.25, limit_deg: 4.998779296875}}}",
@@ -270,6 +303,24 @@ INSTANTIATE_TEST_SUITE_P(
         BadMotion{"M006", "variables: {roll_mdeg: 1}\nsteps: [end]\n", "5:13", "no name of a sensor"},
         BadMotion{"M010", "steps: [{pose: {left_kne: 5}, time_s: 1}]\n", "5:17", "did you mean `left_knee`?"},
         BadMotion{"M010", "steps: [{stiffness: {left_arms: 5}}]\n", "5:22", "did you mean `left_arm`?"},
+        BadMotion{"M026", "steps: [{pose: {head_pan: 5}, at_least_s: 1, during: {head_pan: [0, 1]}}]\n",
+                  "5:46", "without time_s"},
+        BadMotion{
+            "M026",
+            "steps: [{pose: {head_pan: 5}, time_s: 1, interpolation: cubic, during: {head_pan: [0, 1]}}]\n",
+            "5:64", "that is cubic"},
+        BadMotion{"M026", "steps: [{pose: {head_pan: 5}, time_s: 1, during: {head_tilt: [0, 1]}}]\n", "5:9",
+                  "joints that the pose does not move"},
+        BadMotion{"M004", "steps: [{pose: {head_pan: 5}, time_s: 1, during: {head_pan: [0, 1.1]}}]\n", "5:65",
+                  "a number from 0 to 1"},
+        BadMotion{"M004", "steps: [{pose: {head_pan: 5}, time_s: 1, during: {head_pan: [0.5, 0.5]}}]\n",
+                  "5:61", "an end that is later"},
+        BadMotion{"M004", "steps: [{pose: {head_pan: 5}, time_s: 1, during: {head_pan: [0.5]}}]\n", "5:61",
+                  "a list of two times"},
+        BadMotion{"M004", "steps: [{gain: {left_arm: 0}}]\n", "5:27", "an integer from 1 to 200"},
+        BadMotion{"M004", "steps: [{gain: {left_arm: 201}}]\n", "5:27", "an integer from 1 to 200"},
+        BadMotion{"M004", "steps: [{gain: {}}]\n", "5:16", "joints with their gain"},
+        BadMotion{"M026", "steps: [{gain: {left_arm: 5, arms: 6}}]\n", "5:30", "a second gain for a joint"},
         BadMotion{"M011", "steps: [{pose: {knee: 5, left_knee: 6}, time_s: 1}]\n", "5:26", "a second angle"},
         BadMotion{"M012", "steps: [{pose: {knee: -5}, time_s: 1}]\n", "5:23", "expected 0 to 150"},
         BadMotion{"M013", "steps: [{pose: bent, time_s: 1}]\n", "5:16", "did you mean `bend`?"},

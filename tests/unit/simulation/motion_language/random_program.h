@@ -14,8 +14,8 @@ namespace koboshi::simulation {
 
 // Writes random motion files of version 2: named, derived, mirrored, Cartesian and inline poses; moves by
 // time and by speed, with every interpolation, pauses and settings of their own; waits, loops, branches,
-// jumps, routines and exits; expressions and conditions; mixes, leans and stiffness; and the low-level steps.
-// One in three does not compile: it needs too many variables, or lets no time pass.
+// jumps, routines and exits; expressions and conditions; mixes, leans, stiffness, gains and windows; and the
+// low-level steps. One in three does not compile: it needs too many variables, or lets no time pass.
 class RandomProgram {
  public:
   explicit RandomProgram(std::uint32_t seed) : random_(seed) {}
@@ -114,20 +114,26 @@ class RandomProgram {
   }
 
   std::string move() {
-    std::string text = below(4) == 0
+    const bool own_pose = below(4) == 0;
+    std::string text = own_pose
                            ? fmt::format("{{pose: {{head_pan: {}, left_elbow: -{}}}, ", below(60), below(90))
                            : fmt::format("{{pose: p{}, ", below(pose_count_));
     const bool at_least = below(4) == 0;
-    text += at_least ? fmt::format("at_least_s: 0.{:03}", 1 + below(999))
-            : flip() ? fmt::format("time_s: {}.{:06}", 2 + below(50), below(1'000'000))
-                     : fmt::format("speed_deg_per_s: {}.{:04}", below(60), 1 + below(9'999));
+    const bool by_time = !at_least && flip();
+    text += at_least  ? fmt::format("at_least_s: 0.{:03}", 1 + below(999))
+            : by_time ? fmt::format("time_s: {}.{:06}", 2 + below(50), below(1'000'000))
+                      : fmt::format("speed_deg_per_s: {}.{:04}", below(60), 1 + below(9'999));
+    const bool windows = own_pose && by_time && flip();
+    if (windows) text += fmt::format(", during: {{head_pan: [{}.{:03}, 2]}}", below(2), below(1'000));
     if (flip())
-      text += ", interpolation: " + (at_least ? one_of("linear", "minimum_jerk", "trapezoid")
-                                              : one_of("linear", "minimum_jerk", "cubic", "trapezoid"));
+      text += ", interpolation: " + (at_least || windows
+                                         ? one_of("linear", "minimum_jerk", "trapezoid")
+                                         : one_of("linear", "minimum_jerk", "cubic", "trapezoid"));
     if (flip()) text += ", pause_s: 0.5";
     if (below(3) == 0) text += ", mirror: true";
     if (below(3) == 0) text += ", lean: {pitch_deg: 12.5}";
     if (below(3) == 0) text += ", stiffness: {arms: 40, head: 70}";
+    if (below(3) == 0) text += ", gain: {legs: 60, head: 150}";
     if (below(3) == 0) text += ", mix: {ankle_pitch: {pitch_rate: -0.3, limit_deg: 1}}";
     return text + "}";
   }
@@ -155,7 +161,8 @@ class RandomProgram {
         return one_of("{mix: none}", "{lean: none}", "{torque_off: [arms, left_knee]}",
                       "{lean: {roll_deg: -7}}");
       case 8:
-        return fmt::format("{{stiffness: {{{}: {}}}}}", joint(), below(101));
+        return flip() ? fmt::format("{{stiffness: {{{}: {}}}}}", joint(), below(101))
+                      : fmt::format("{{gain: {{{}: {}}}}}", joint(), 1 + below(200));
       case 9:
         return fmt::format("{{mix: {{{}: {{{}: {}, limit_deg: {}}}}}}}", joint(),
                            one_of("roll_rate", "pitch_rate", "yaw_rate", "roll", "pitch"), below(15) - 7,

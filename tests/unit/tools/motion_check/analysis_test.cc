@@ -103,6 +103,22 @@ TEST_F(AnalysisTest, StandingIsStable) {
   ASSERT_EQ(report.steps.size(), 2U);
 }
 
+// The trunk leans as far as the joints yield to its weight, in inverse proportion to their gain.
+TEST_F(AnalysisTest, JointsYieldByTheirGain) {
+  const auto pitch_rad = [&](double gain) {
+    Trajectory trajectory = linear({kStand, with(kStand, {{"ankle_pitch", -29.82}}), kStand}, 2.0);
+    const std::vector<double> gains(robot_.joints.size(), gain);
+    std::ranges::fill(trajectory.gains, trajectory.index_of(gains));
+    return analysis_.analyse(trajectory)[220].pitch_rad;  // in the rest
+  };
+  const double own_rad = pitch_rad(1.0);
+  const double yield_rad = (pitch_rad(0.5) - own_rad);  // of the own gain
+  EXPECT_GT(yield_rad, 0.1 * kDegree_rad);
+  EXPECT_NEAR(pitch_rad(0.25) - own_rad, 3.0 * yield_rad, 0.02 * yield_rad);
+  EXPECT_NEAR(pitch_rad(2.0) - own_rad, -0.5 * yield_rad, 0.02 * yield_rad);
+  EXPECT_EQ(pitch_rad(1.0), own_rad) << "what is known of one gain is not taken for another";
+}
+
 TEST_F(AnalysisTest, ReportsTheEdgeThatTheCentreOfMassLeaves) {
   const PathReport report = check(linear({kStand, with(kStand, {{"ankle_pitch", -50.0}}), kStand}, 2.0));
   EXPECT_EQ(report.balance, Balance::kUnstable);

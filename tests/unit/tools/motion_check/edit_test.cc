@@ -133,7 +133,8 @@ TEST(MotionMirror, ExchangesLeftAndRight) {
           "  b: {from: a, left_hand: {y_mm: 90, z_mm: 0}}\n"
           "steps:\n"
           "  - {expect: {roll_deg: 9, pitch_deg: 5, within_deg: 4}}\n"
-          "  - {pose: {left_elbow: -3}, time_s: 1, lean: {roll_deg: -3}, stiffness: {left_arm: 4}}\n"
+          "  - {pose: {left_elbow: -3}, time_s: 1, lean: {roll_deg: -3}, stiffness: {left_arm: 4}, gain: "
+          "{left_arm: 5}}\n"
           "  - {mix: {left_ankle_roll: {roll_rate: 1, pitch: 2, limit_deg: 5}}}\n"
           "  - {jump: x, if: \"left_contact and roll_mdeg - -zmp_y_um < angle_mdeg( left_hip_roll )\"}\n"),
       "name: turn_right\nposes:\n"
@@ -142,7 +143,8 @@ TEST(MotionMirror, ExchangesLeftAndRight) {
       "  b: {from: a, right_hand: {y_mm: -90, z_mm: 0}}\n"
       "steps:\n"
       "  - {expect: {roll_deg: -9, pitch_deg: 5, within_deg: 4}}\n"
-      "  - {pose: {right_elbow: -3}, time_s: 1, lean: {roll_deg: 3}, stiffness: {right_arm: 4}}\n"
+      "  - {pose: {right_elbow: -3}, time_s: 1, lean: {roll_deg: 3}, stiffness: {right_arm: 4}, gain: "
+      "{right_arm: 5}}\n"
       "  - {mix: {right_ankle_roll: {roll_rate: 1, pitch: -2, limit_deg: 5}}}\n"
       "  - {jump: x, if: \"right_contact and -roll_mdeg - zmp_y_um < -angle_mdeg( right_hip_roll )\"}\n");
 }

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <string>
 
 #include "base/text/error.h"
@@ -114,6 +116,37 @@ TEST_F(ExportTest, KeepsPausesTorqueAndLoops) {
   EXPECT_EQ(list[2].without_torque.size(), 1u);
   EXPECT_NEAR(exported(motion, "csv").duration_s, 3.48, 1e-9);
   EXPECT_THAT(exported(motion, "csv").report, testing::Contains(HasSubstr("no joints without torque")));
+}
+
+// The knee turns to 40 degrees from 0.25 s to 0.5 s, the elbow to -20 degrees in the whole second.
+TEST_F(ExportTest, WritesAKeyFrameAtEachEndOfAJointsOwnTime) {
+  const std::string motion =
+      "version: 2\nrobot: koboshi\nname: a\nsteps:\n"
+      "  - {pose: {left_knee: 0, left_elbow: 0}, time_s: 1}\n"
+      "  - {pose: {left_knee: 40, left_elbow: -20}, time_s: 1, pause_s: 0.5, during: {left_knee: [0.25, "
+      "0.5]}}\n";
+  const ForeignMotion frames = read_foreign_motions("file", exported(motion, "webots").bytes).front();
+  const auto& list = frames.sections.front().frames;
+  ASSERT_EQ(list.size(), 5u) << "the last one is the end of the pause";
+  const auto knee = [&](std::size_t frame) { return *list[frame].values[0] * 180.0 / std::numbers::pi; };
+  const auto elbow = [&](std::size_t frame) { return *list[frame].values[1] * 180.0 / std::numbers::pi; };
+  EXPECT_EQ(list[1].move_us, 250'000);
+  EXPECT_NEAR(knee(1), 0.0, 0.03);
+  EXPECT_NEAR(std::abs(elbow(1)), 5.0, 0.03);
+  EXPECT_EQ(list[2].move_us, 250'000);
+  EXPECT_NEAR(std::abs(knee(2)), 40.0, 0.03);
+  EXPECT_EQ(list[3].move_us, 500'000);
+  EXPECT_NEAR(std::abs(knee(3)), 40.0, 0.03);
+  EXPECT_NEAR(std::abs(elbow(3)), 20.0, 0.03);
+}
+
+TEST_F(ExportTest, SaysThatGainsAreLeftOut) {
+  const std::string head = "version: 2\nrobot: koboshi\nname: a\nposes:\n  p: {left_knee: 10}\nsteps:\n";
+  const std::string move = "  - {pose: p, time_s: 1, gain: {left_knee: 40}}\n";
+  const auto says = testing::Contains(HasSubstr("gains of the position loops are left out"));
+  EXPECT_THAT(exported(head + move, "csv").report, says);
+  EXPECT_THAT(exported(head + "  - {gain: {legs: 40}}\n  - {pose: p, time_s: 1}\n", "csv").report, says);
+  EXPECT_THAT(exported(head + "  - {pose: p, time_s: 1}\n", "csv").report, testing::Not(says));
 }
 
 // A move with a least time has in a table the time that the knee needs: 60 degrees at 428.6 degrees/s.
