@@ -131,6 +131,13 @@ class Judge {
     }
   }
 
+  // Near the speed without load a motor has hardly any torque, so that the share says nothing but that.
+  static bool has_torque(double share) { return share <= 10.0; }
+  static std::string torque_text(double share) {
+    if (!has_torque(share)) return " turning as fast as its servo turns without load at the lowest supply";
+    return fmt::format(" taking {:.0f} % of its torque at the lowest supply", 100.0 * share);
+  }
+
   void check_torques() {
     WorstByJoint worst;
     for (std::size_t tick = 1; tick < trajectory_.ticks(); ++tick) {
@@ -140,9 +147,9 @@ class Judge {
     for (const auto& [key, at] : worst) {
       const bool cannot = at.value > 1.0;
       add(cannot ? "C003" : "C004", cannot ? Severity::kError : Severity::kWarning, at.tick,
-          fmt::format("{} taking {:.0f} % of its torque at the lowest supply", joint_name(key.second),
-                      100.0 * at.value),
-          fmt::format("at most {:.0f} %", 100.0 * (cannot ? 1.0 : kHighTorque)),
+          joint_name(key.second) + torque_text(at.value),
+          has_torque(at.value) ? fmt::format("at most {:.0f} %", 100.0 * (cannot ? 1.0 : kHighTorque))
+                               : "a speed at which it has torque left",
           cannot ? "Bend the joint less, or move slower." : "");
     }
   }

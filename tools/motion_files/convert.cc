@@ -34,7 +34,13 @@ struct Move {
   std::int64_t pause_us = 0;
   Angles angles;                 // what the frame says
   std::set<std::size_t> limp{};  // joints without torque from here on
+  std::optional<motion::LeanDeclaration> lean{};
 };
+
+bool same_lean(const Move& a, const Move& b) {
+  const auto lean_of = [](const Move& move) { return move.lean.value_or(motion::LeanDeclaration()); };
+  return lean_of(a).pitch == lean_of(b).pitch && lean_of(a).roll == lean_of(b).roll;
+}
 
 struct Section {
   int repeat = 1;
@@ -46,6 +52,8 @@ std::string degrees(double angle_rad) {
   if (rounded == 0.0) rounded = 0.0;  // no minus zero
   return fmt::format("{:g}", rounded);
 }
+
+double lean_rad(std::int16_t angle) { return std::ldexp(2.0 * std::numbers::pi * angle, -16); }
 
 std::string seconds(std::int64_t time_us) { return fmt::format("{:g}", 1e-6 * static_cast<double>(time_us)); }
 
@@ -106,7 +114,8 @@ class Conversion {
               .move_us = frame.move_us,
               .by_speed = frame.by_speed,
               .pause_us = frame.pause_us,
-              .angles = Angles(robot_.joint_names.size())};
+              .angles = Angles(robot_.joint_names.size()),
+              .lean = frame.lean};
     for (std::size_t i = 0; i < map_.joints.size(); ++i) {
       if (!map_.joints[i] || !frame.values[i]) continue;
       const MappedJoint& mapped = *map_.joints[i];
@@ -128,7 +137,8 @@ class Conversion {
       Move move = section.moves[i];
       for (const Move& skipped : between) move.move_us += skipped.move_us;
       const bool last = i + 1 == section.moves.size();
-      if (!kept.empty() && !last && move.pause_us == 0 && section.moves[i].limp == kept.back().limp) {
+      if (!kept.empty() && !last && move.pause_us == 0 && section.moves[i].limp == kept.back().limp &&
+          same_lean(section.moves[i], kept.back())) {
         between.push_back(section.moves[i]);
         if (all_on_line(kept.back(), between, section.moves[i + 1])) continue;
         between.pop_back();
@@ -275,6 +285,9 @@ class Conversion {
     steps += fmt::format("{}- {{pose: p{}, {}: {}", indent, number, move.at_least ? "at_least_s" : "time_s",
                          seconds(move.move_us));
     if (move.pause_us > 0) steps += fmt::format(", pause_s: {}", seconds(move.pause_us));
+    if (move.lean)
+      steps += fmt::format(", lean: {{pitch_deg: {}, roll_deg: {}}}", degrees(lean_rad(move.lean->pitch)),
+                           degrees(lean_rad(move.lean->roll)));
     steps += "}\n";
   }
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -111,6 +112,9 @@ ExportedMotion export_motion(const simulation::MotionSource& source, MotionForma
     motion.notes.push_back({"motion", motion.is_smooth
                                           ? "its moves are smooth; the format has straight ones"
                                           : "its moves are straight; the format has smooth ones"});
+  const auto leans = [](const ForeignFrame& frame) { return frame.lean.has_value(); };
+  if (std::ranges::any_of(motion.sections.front().frames, leans))
+    motion.notes.push_back({"motion", "declared leans are left out"});
   rename_joints(names, motion);
   ExportedMotion result;
   for (const ForeignFrame& frame : motion.sections.front().frames) {

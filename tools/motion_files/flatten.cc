@@ -89,7 +89,8 @@ class Flattener {
       case Kind::kMix:
         return note(step.place.line, "corrections from sensors (mix) are left out");
       case Kind::kLean:
-        return note(step.place.line, "a declared lean is left out");
+        lean_ = *step.lean;
+        return;
       case Kind::kReturn:
       case Kind::kLabel:
         return;
@@ -165,13 +166,13 @@ class Flattener {
     (step.interpolation == motion::Interpolation::kLinear ? linear_ : smooth_) += 1;
     std::set<std::size_t> limp = limp_;
     stiffness(step.stiffness, step.place.line, limp);
+    frame.lean = step.lean;
     add(std::move(frame), limp, step.place.line);
   }
 
   void note_settings(const StepSource& step) {
     if (!step.mix.empty()) note(step.place.line, "corrections from sensors (mix) are left out");
     if (!step.gain.empty()) note(step.place.line, "gains of the position loops are left out");
-    if (step.lean) note(step.place.line, "a declared lean is left out");
   }
 
   // A key frame at each beginning and end of a joint's own time.
@@ -192,6 +193,7 @@ class Flattener {
       frame.move_us = until_us - time_us;
       time_us = until_us;
       if (key == motion::Window::kWhole) frame.pause_us = step.pause_us;
+      frame.lean = step.lean;
       for (std::size_t joint = 0; joint < last_.size(); ++joint) {
         if (!pose.angles[joint]) continue;
         const double share = share_of_way(step, joint, key);
@@ -240,12 +242,15 @@ class Flattener {
     if (frames_.size() == kMostKeyFrames)
       throw InputError(source_.file, line, "more than 10000 key frames with all repetitions", "fewer");
     frame.without_torque.assign(limp.begin(), limp.end());
+    if (!frame.lean) frame.lean = lean_;
+    if (frame.lean->pitch == 0 && frame.lean->roll == 0) frame.lean.reset();
     frames_.push_back(std::move(frame));
   }
 
   const simulation::MotionSource& source_;
   const simulation::NamedModel& robot_;
   std::vector<ForeignValue> last_;  // by joint, where it is known
+  motion::LeanDeclaration lean_;    // by the last step of its own
   std::set<std::size_t> limp_;
   std::set<std::string> noted_;
   std::vector<ForeignFrame> frames_;

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/motion/instructions.h"
+
 namespace koboshi::tools {
 
 // The formats of other makers' motion files, as docs/reference/motion-import.md describes them.
@@ -42,6 +44,8 @@ struct ForeignFrame {
   std::int64_t pause_us = 0;                  // afterwards
   std::vector<ForeignValue> values{};         // by joint of the file
   std::vector<std::size_t> without_torque{};  // joints whose torque is off from here on
+  // Declared for the end of the frame, of motions of the motion language only.
+  std::optional<motion::LeanDeclaration> lean{};
 };
 
 // Frames that are played one after the other, several times.

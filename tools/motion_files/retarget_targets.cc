@@ -166,18 +166,21 @@ class Retargeter {
   void retarget(ForeignFrame& frame) {
     ++frames_;
     for (std::size_t i = 0; i < angles_.size(); ++i) {
-      if (frame.values[i]) angles_[i] = fixed::from_double<Angle>(*frame.values[i]);
+      if (!frame.values[i]) continue;
+      angles_[i] = fixed::from_double<Angle>(*frame.values[i]);
+      given_ |= 1u << i;
     }
     from_.place(angles_);
-    by_roles();
-    if (stands()) {
-      reach_targets();
+    std::uint32_t moved = by_roles();
+    if (!moves_legs() || stands()) {
+      moved |= reach_targets();
     } else {
       ++lying_;
     }
     frame.values.assign(result_angles_.size(), std::nullopt);
-    for (std::size_t i = 0; i < result_angles_.size(); ++i)
-      frame.values[i] = fixed::to_double(result_angles_[i]);
+    for (std::size_t i = 0; i < result_angles_.size(); ++i) {
+      if ((moved >> i & 1u) != 0) frame.values[i] = fixed::to_double(result_angles_[i]);
+    }
     std::vector<std::size_t> limp;
     for (const std::size_t joint : frame.without_torque) {
       if (map_.joints[joint]) limp.push_back(map_.joints[joint]->joint);
@@ -185,13 +188,33 @@ class Retargeter {
     frame.without_torque = std::move(limp);
   }
 
-  // Twice, because arms that move shift the centre of mass.
-  void reach_targets() {
-    std::optional<int> lowerings;
+  // A motion that has not moved the legs, or an arm, leaves them to others, such as a walk.
+  bool moves_legs() const { return (given_ & from_.robot().model.leg_joints()) != 0; }
+  bool moves_arm(std::size_t side) const { return (given_ & arm_joints(from_, side)) != 0; }
+
+  static std::uint32_t arm_joints(const Figure& figure, std::size_t side) {
+    const JointRole first = side == 0 ? JointRole::kLeftShoulderPitch : JointRole::kRightShoulderPitch;
+    std::uint32_t joints = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (const auto joint =
+              figure.robot().model.find(static_cast<JointRole>(static_cast<std::size_t>(first) + i)))
+        joints |= 1u << *joint;
+    }
+    return joints;
+  }
+
+  // Twice, because arms that move shift the centre of mass. Returns the joints of `to` that have targets.
+  std::uint32_t reach_targets() {
+    std::uint32_t moved = moves_legs() ? to_.robot().model.leg_joints() : 0;
+    std::optional<int> lowerings = 0;
     std::array<double, 2> missed_m{};
     for (int round = 0; round < 2; ++round) {
-      lowerings = solve_legs();
-      for (std::size_t side = 0; side < 2; ++side) missed_m[side] = solve_hand(side);
+      if (moves_legs()) lowerings = solve_legs();
+      for (std::size_t side = 0; side < 2; ++side) {
+        if (!moves_arm(side)) continue;
+        missed_m[side] = solve_hand(side);
+        moved |= arm_joints(to_, side);
+      }
     }
     const double most_m = std::max(missed_m[0], missed_m[1]);
     unreached_legs_ += lowerings ? 0 : 1;
@@ -199,16 +222,21 @@ class Retargeter {
     most_lowered_ = std::max(most_lowered_, lowerings.value_or(0));
     missed_hands_ += most_m > 0.0 ? 1 : 0;
     most_missed_m_ = std::max(most_missed_m_, most_m);
+    return moved;
   }
 
-  void by_roles() {
+  // Returns the joints of `to` that got an angle.
+  std::uint32_t by_roles() {
+    std::uint32_t moved = 0;
     const robot::RobotModel& model = to_.robot().model;
     for (std::size_t i = 0; i < angles_.size(); ++i) {
-      if (!map_.joints[i]) continue;
+      if (!map_.joints[i] || (given_ >> i & 1u) == 0) continue;
       const MappedJoint& mapped = *map_.joints[i];
+      moved |= 1u << mapped.joint;
       result_angles_[mapped.joint] = robot::clamp_to_limits(
           model.joints[mapped.joint], fixed::from_double<Angle>(mapped.sign * fixed::to_double(angles_[i])));
     }
+    return moved;
   }
 
   // Finds the feet that carry. Returns whether the robot stands on them.
@@ -320,6 +348,7 @@ class Retargeter {
   Figure from_;
   Figure to_;
   double scale_;
+  std::uint32_t given_ = 0;           // joints of `from` that the motion has moved so far
   std::vector<Angle> angles_;         // of `from`
   std::vector<Angle> result_angles_;  // of `to`
   BodyTargets::Support support_ = BodyTargets::Support::kBoth;

@@ -23,10 +23,11 @@ struct RetargetRobot {
 //   - hands relative to the shoulders, by the length of the arms;
 //   - the orientations of trunk and soles as they are.
 // The feet that carry are both if their soles lie in one plane, else the one to which the centre of mass is
-// closer. Where the legs do not reach, the hips are lowered, by at most a fifth. All other joints have the
-// angle of the joint with the same role, as in retarget_joints(). So has a whole frame in which the robot
-// does not stand on its soles, such as one that lies. Notes say what was lowered, not reached and lying, by
-// frame. Throws InputError, naming `file`, as retarget_joints(), and if a robot has no legs.
+// closer. Legs and arms that the motion has not moved so far stay without angles. Where the legs do not
+// reach, the hips are lowered, by at most a fifth. All other joints have the angle of the joint with the same
+// role, as in retarget_joints(). So has a whole frame in which the robot does not stand on its soles, such as
+// one that lies. Notes say what was lowered, not reached and lying, by frame. Throws InputError, naming
+// `file`, as retarget_joints(), and if a robot has no legs.
 [[nodiscard]] ForeignMotion retarget_targets(const std::filesystem::path& file, const ForeignMotion& motion,
                                              const RetargetRobot& from, const RetargetRobot& to);
 

@@ -1,4 +1,5 @@
 #include "tools/import/pipeline/import_robot.h"
+#include "tests/support/temporary_folder.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -23,12 +24,6 @@ namespace fs = std::filesystem;
 
 class ImportRobot : public testing::Test {
  protected:
-  ImportRobot() {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~ImportRobot() override { fs::remove_all(folder_); }
-
   fs::path write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name, std::ios::binary) << text;
     return folder_ / name;
@@ -60,9 +55,8 @@ class ImportRobot : public testing::Test {
     return found == result.report.repairs.end() ? nullptr : &*found;
   }
 
-  fs::path folder_ =
-      fs::temp_directory_path() /
-      ("koboshi_import_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+  const test::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path;
 };
 
 TEST_F(ImportRobot, NamesJointsByTreeAndSide) {

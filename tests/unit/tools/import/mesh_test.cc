@@ -5,6 +5,7 @@
 #include <fstream>
 #include <thread>
 
+#include "tests/support/temporary_folder.h"
 #include "tools/import/mesh/limited_child.h"
 #include "tools/import/mesh/merge.h"
 #include "tools/import/mesh/mesh_paths.h"
@@ -19,11 +20,7 @@ namespace fs = std::filesystem;
 
 class MeshFiles : public testing::Test {
  protected:
-  MeshFiles() {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_ / "package/meshes");
-  }
-  ~MeshFiles() override { fs::remove_all(folder_); }
+  MeshFiles() { fs::create_directories(folder_ / "package/meshes"); }
 
   fs::path write(const fs::path& name, const std::string& text) const {
     std::ofstream(folder_ / name, std::ios::binary) << text;
@@ -39,9 +36,8 @@ class MeshFiles : public testing::Test {
     return volume;
   }
 
-  fs::path folder_ =
-      fs::temp_directory_path() /
-      ("koboshi_mesh_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+  const test::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path;
 };
 
 TEST_F(MeshFiles, PrimitivesFaceOutwards) {

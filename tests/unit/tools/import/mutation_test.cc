@@ -9,6 +9,7 @@
 
 #include "base/text/error.h"
 #include "base/text/text.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/tools/import/kit_robot.h"
 #include "tools/import/mesh/merge.h"
 #include "tools/import/mesh/mesh_reader.h"
@@ -69,9 +70,6 @@ class Mutator {
 
 class ImportMutation : public testing::Test {
  protected:
-  ImportMutation() { fs::create_directories(folder_); }
-  ~ImportMutation() override { fs::remove_all(folder_); }
-
   // Imports mutants. Returns how many were read.
   int import_mutants(const std::string& name, const std::string& text, int count) const {
     Mutator mutator(20261126);
@@ -97,9 +95,8 @@ class ImportMutation : public testing::Test {
     return read;
   }
 
-  fs::path folder_ =
-      fs::temp_directory_path() /
-      ("koboshi_mutation_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+  const test::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path;
 };
 
 TEST_F(ImportMutation, OfUrdfIsReadOrRefused) {

@@ -136,7 +136,8 @@ TEST(SdfReader, NamesRingsAndMissingFrames) {
 
 #ifdef KOBOSHI_HAS_MUJOCO
 TEST(MjcfReader, ReadsBodiesAndJoints) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / "koboshi_mjcf_test.xml";
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path / "robot.xml";
   std::ofstream(file)
       << R"(<mujoco model="m"><compiler angle="degree"/><worldbody><geom type="plane" size="1 1 1"/>
 <body name="a" pos="0 0 1"><freejoint/><geom type="box" size="0.1 0.1 0.1" mass="2"/>
@@ -164,7 +165,6 @@ TEST(MjcfReader, ReadsBodiesAndJoints) {
   } catch (const InputError& error) {
     EXPECT_EQ(error.line(), 3) << error.what();
   }
-  std::filesystem::remove(file);
 }
 #else
 TEST(MjcfReader, IsNotInThisBuild) {

@@ -152,6 +152,18 @@ TEST_F(AnalysisTest, ReportsSpeedsAndSteps) {
   EXPECT_EQ(find(check(linear({kStand, with(kStand, {{"head_pan", 80.0}}), kStand}, 1.0)), "C001"), nullptr);
 }
 
+// At 0.9 of the speed without load at the nominal supply a servo has no torque at 0.79 of that supply: a
+// share of it would be any number.
+TEST_F(AnalysisTest, NamesASpeedWithoutTorqueInsteadOfItsShare) {
+  const double way_deg = 0.9 * 7.48 * kDegreesPerRad * 0.2;
+  const PathReport report = check(linear({kStand, with(kStand, {{"head_pan", way_deg}}), kStand}, 0.2));
+  EXPECT_EQ(find(report, "C001"), nullptr);
+  const Finding* const torque = find(report, "C003");
+  ASSERT_NE(torque, nullptr);
+  EXPECT_EQ(torque->found, "head_pan turning as fast as its servo turns without load at the lowest supply");
+  EXPECT_EQ(torque->expected, "a speed at which it has torque left");
+}
+
 TEST_F(AnalysisTest, ReportsSelfCollisionWithThePair) {
   const PathReport report =
       check(linear({kStand, with(kStand, {{"elbow", 0.0}, {"shoulder_roll", -15.0}})}, 1.0));

@@ -66,6 +66,24 @@ TEST_F(RetargetTest, IsTheIdentityForTheSameRobot) {
   EXPECT_EQ(result.clamped, 0u);
 }
 
+// The fall detector judges the robot by what its motion declares.
+TEST_F(RetargetTest, KeepsDeclaredLeans) {
+  const std::string text =
+      "version: 2\nrobot: koboshi\nname: a\nposes:\n  p: {left_knee: 20}\n  q: {left_knee: 40}\nsteps:\n"
+      "  - {pose: p, time_s: 1}\n  - {pose: q, time_s: 1, lean: {pitch_deg: 30}}\n"
+      "  - {lean: {roll_deg: -5}}\n  - {pose: p, time_s: 1}\n  - {lean: none}\n  - {pose: q, time_s: 1}\n";
+  const simulation::MotionFile file = simulation::read_motion_text("a.yaml", text);
+  simulation::Diagnostics messages(file.path, file.text);
+  ForeignMotion motion = flatten_motion(simulation::parse_motion(file, model, messages), model);
+  motion.format = MotionFormat::kOwn;
+  const ConvertedMotion result =
+      convert_motion("a.yaml", motion, retarget_joints("a.yaml", motion, from, to), model, {});
+  EXPECT_THAT(result.text, HasSubstr("- {pose: p1, time_s: 1}\n"));
+  EXPECT_THAT(result.text, HasSubstr("- {pose: p2, time_s: 1, lean: {pitch_deg: 29.998, roll_deg: 0}}\n"));
+  EXPECT_THAT(result.text, HasSubstr("- {pose: p3, time_s: 1, lean: {pitch_deg: 0, roll_deg: -4.999}}\n"));
+  EXPECT_THAT(result.text, HasSubstr("- {pose: p4, time_s: 1}\n"));
+}
+
 TEST_F(RetargetTest, DropsTheHeadButNoLeg) {
   to.joints[joint(to, "head_pan")].stated_role = "antenna";
   const JointMap map = retarget_joints("a.yaml", frames(), from, to);
@@ -114,7 +132,7 @@ class RetargetTargets : public testing::Test {
   static Angles angles_of(const ForeignMotion& motion) {
     Angles angles;
     for (const ForeignValue& value : motion.sections.front().frames.front().values)
-      angles.push_back(fixed::from_double<fixed::Angle>(value.value()));
+      angles.push_back(fixed::from_double<fixed::Angle>(value.value_or(0.0)));
     return angles;
   }
 
@@ -226,6 +244,23 @@ TEST_F(RetargetTargets, KeepsTheCentreOfMassOverTheFootThatCarries) {
   };
   EXPECT_NEAR(share(noppo, retargeted(motion, koboshi, noppo)), share(koboshi, motion), 0.02);
   EXPECT_LT(std::abs(share(koboshi, motion)), 1.0);
+}
+
+// A motion of one arm alone can be played while the robot walks.
+TEST_F(RetargetTargets, LeavesLegsAloneThatTheMotionDoesNotMove) {
+  ForeignMotion motion = frame(koboshi, crouched);
+  for (std::size_t i = 0; i < koboshi.model.joint_names.size(); ++i) {
+    const std::string& name = koboshi.model.joint_names[i];
+    if (name.find("left_shoulder") != 0 && name != "left_elbow" && name != "head_pan")
+      motion.sections[0].frames[0].values[i].reset();
+  }
+  const Known noppo("noppo");
+  const ForeignMotion result = retargeted(motion, koboshi, noppo);
+  for (std::size_t i = 0; i < noppo.model.joint_names.size(); ++i) {
+    const std::string& name = noppo.model.joint_names[i];
+    const bool is_moved = name.find("left_shoulder") == 0 || name == "left_elbow" || name == "head_pan";
+    EXPECT_EQ(result.sections[0].frames[0].values[i].has_value(), is_moved) << name;
+  }
 }
 
 // Knees bent so far that it cannot stand on its soles: the joints have the angles of the others, and a note
