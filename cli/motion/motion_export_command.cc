@@ -15,7 +15,7 @@
 #include "simulation/motion_language/compile/compile.h"
 #include "simulation/motion_language/parse/parse.h"
 #include "simulation/scenario/paths.h"
-#include "tools/motion_files/writers.h"
+#include "tools/motion_files/export.h"
 
 namespace koboshi::cli {
 namespace {

@@ -20,8 +20,8 @@
 #include "simulation/model/robot_model.h"
 #include "simulation/scenario/paths.h"
 #include "tools/motion_files/convert.h"
+#include "tools/motion_files/format/readers.h"
 #include "tools/motion_files/joint_map.h"
-#include "tools/motion_files/readers.h"
 
 namespace koboshi::cli {
 namespace {

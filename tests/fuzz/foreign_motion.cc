@@ -2,7 +2,7 @@
 #include "simulation/model/robot_model.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tools/motion_files/convert.h"
-#include "tools/motion_files/readers.h"
+#include "tools/motion_files/format/readers.h"
 
 // A motion of another maker, from the bytes of the file to the text of a motion file. Joint i of the file is
 // joint i of the default robot.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "simulation/model/robot_model.h"
-#include "tools/motion_files/foreign_motion.h"
+#include "tools/motion_files/format/foreign_motion.h"
 #include "tools/motion_files/joint_map.h"
 
 namespace koboshi::tools {

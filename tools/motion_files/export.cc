@@ -1,3 +1,5 @@
+#include "tools/motion_files/export.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -5,8 +7,8 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "tools/motion_files/flatten.h"
+#include "tools/motion_files/format/writers.h"
 #include "tools/motion_files/joint_map.h"
-#include "tools/motion_files/writers.h"
 
 namespace koboshi::tools {
 namespace {

@@ -10,7 +10,7 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "firmware/fixed/host/convert.h"
-#include "tools/motion_files/lines.h"
+#include "tools/motion_files/format/lines.h"
 
 namespace koboshi::tools {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "simulation/model/robot_model.h"
 #include "simulation/motion_language/parse/source.h"
-#include "tools/motion_files/foreign_motion.h"
+#include "tools/motion_files/format/foreign_motion.h"
 
 namespace koboshi::tools {
 

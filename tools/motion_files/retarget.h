@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "sim_board/description/description.h"
-#include "tools/motion_files/foreign_motion.h"
+#include "tools/motion_files/format/foreign_motion.h"
 #include "tools/motion_files/joint_map.h"
 
 namespace koboshi::tools {

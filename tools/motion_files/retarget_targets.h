@@ -4,7 +4,7 @@
 
 #include "sim_board/description/description.h"
 #include "simulation/model/robot_model.h"
-#include "tools/motion_files/foreign_motion.h"
+#include "tools/motion_files/format/foreign_motion.h"
 
 namespace koboshi::tools {
 

@@ -9,7 +9,7 @@
 #include "simulation/motion_language/compile/compile.h"
 #include "simulation/motion_language/parse/parse.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/motion_files/readers.h"
+#include "tools/motion_files/format/readers.h"
 
 namespace koboshi::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/motion_files/encoding.h"
+#include "tools/motion_files/format/encoding.h"
 
 #include <gtest/gtest.h>
 

@@ -11,9 +11,9 @@
 #include "simulation/motion_language/parse/parse.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/motion_files/convert.h"
+#include "tools/motion_files/export.h"
+#include "tools/motion_files/format/readers.h"
 #include "tools/motion_files/joint_map.h"
-#include "tools/motion_files/readers.h"
-#include "tools/motion_files/writers.h"
 
 namespace koboshi::tools {
 namespace {

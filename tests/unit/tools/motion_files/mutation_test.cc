@@ -7,7 +7,7 @@
 
 #include "base/text/error.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/motion_files/readers.h"
+#include "tools/motion_files/format/readers.h"
 
 namespace koboshi::tools {
 namespace {

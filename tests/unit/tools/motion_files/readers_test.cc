@@ -1,4 +1,4 @@
-#include "tools/motion_files/readers.h"
+#include "tools/motion_files/format/readers.h"
 
 #include <gtest/gtest.h>
 

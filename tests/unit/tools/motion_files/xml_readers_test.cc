@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/text/error.h"
-#include "tools/motion_files/readers.h"
+#include "tools/motion_files/format/readers.h"
 
 namespace koboshi::tools {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "base/text/text.h"
 #include "base/text/user_units.h"
-#include "tools/motion_files/writers.h"
+#include "tools/motion_files/format/writers.h"
 
 namespace koboshi::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/motion_files/roboplus_page.h"
+#include "tools/motion_files/format/roboplus_page.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "base/yaml/yaml_reader.h"
-#include "tools/motion_files/readers.h"
+#include "tools/motion_files/format/readers.h"
 
 namespace koboshi::tools {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "base/text/error.h"
 #include "base/text/text.h"
-#include "tools/motion_files/roboplus_page.h"
-#include "tools/motion_files/writers.h"
+#include "tools/motion_files/format/roboplus_page.h"
+#include "tools/motion_files/format/writers.h"
 
 namespace koboshi::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/motion_files/lines.h"
+#include "tools/motion_files/format/lines.h"
 
 namespace koboshi::tools {
 

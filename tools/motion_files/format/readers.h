@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/motion_files/foreign_motion.h"
+#include "tools/motion_files/format/foreign_motion.h"
 
 namespace koboshi::tools {
 

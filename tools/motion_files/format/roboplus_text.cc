@@ -6,9 +6,9 @@
 
 #include "base/text/error.h"
 #include "base/text/text.h"
-#include "tools/motion_files/lines.h"
-#include "tools/motion_files/readers.h"
-#include "tools/motion_files/roboplus_page.h"
+#include "tools/motion_files/format/lines.h"
+#include "tools/motion_files/format/readers.h"
+#include "tools/motion_files/format/roboplus_page.h"
 
 namespace koboshi::tools {
 namespace {

@@ -13,8 +13,8 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "base/xml/xml_parse.h"
-#include "tools/motion_files/lines.h"
-#include "tools/motion_files/readers.h"
+#include "tools/motion_files/format/lines.h"
+#include "tools/motion_files/format/readers.h"
 
 namespace koboshi::tools {
 namespace {

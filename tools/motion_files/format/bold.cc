@@ -8,8 +8,8 @@
 
 #include "base/text/error.h"
 #include "base/text/text.h"
-#include "tools/motion_files/json_file.h"
-#include "tools/motion_files/readers.h"
+#include "tools/motion_files/format/json_file.h"
+#include "tools/motion_files/format/readers.h"
 
 namespace koboshi::tools {
 namespace {

@@ -8,8 +8,8 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "base/text/user_units.h"
-#include "tools/motion_files/lines.h"
-#include "tools/motion_files/readers.h"
+#include "tools/motion_files/format/lines.h"
+#include "tools/motion_files/format/readers.h"
 
 namespace koboshi::tools {
 namespace {

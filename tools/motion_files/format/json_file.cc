@@ -1,4 +1,4 @@
-#include "tools/motion_files/json_file.h"
+#include "tools/motion_files/format/json_file.h"
 
 #include <algorithm>
 #include <cmath>
