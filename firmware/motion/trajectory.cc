@@ -213,7 +213,7 @@ void Trajectory::interpolate(Ratio fraction) {
   for (std::size_t i = 0; i < part_count_; ++i) {
     const Part& part = parts_[i];
     const std::int64_t elapsed_raw =
-        std::max(fraction.raw() - part.start_raw, 0) * std::int64_t{part.rate} >> 16;
+        std::max<std::int64_t>(fraction.raw() - part.start_raw, 0) * part.rate >> 16;
     const Ratio own = Ratio::from_raw(
         static_cast<std::int32_t>(std::min<std::int64_t>(elapsed_raw, std::int64_t{1} << kOneBits)));
     interpolate_profile(left & part.joints, own);

@@ -63,7 +63,10 @@ RecoveryMotion RecoveryMotion::retarget(const std::string& name, const std::file
   }
   for (const simulation::StepSource& step : source.steps) {
     if (step.kind == Kind::kMove && step.speed_raw == 0) {
-      motion.steps_.push_back({.pose = step.pose, .time_s = 1e-6 * time_scale * step.time_us});
+      // Nobody knows where the first move begins.
+      motion.steps_.push_back({.pose = step.pose,
+                               .time_s = 1e-6 * time_scale * step.time_us,
+                               .at_least = step.at_least || motion.steps_.empty()});
     } else if (step.kind == Kind::kExpect) {
       const motion::ExpectedAttitude& up = step.attitude;
       motion.steps_.push_back({.text = fmt::format("{{expect: {{up: [{}, {}, {}], min_cosine: {}}}}}",
@@ -153,9 +156,10 @@ std::string RecoveryMotion::text(const std::string& origin) const {
   }
   text += "steps:\n";
   for (const Step& step : steps_) {
-    text += step.pose ? fmt::format("  - {{pose: {}, time_s: {:.3f}}}\n", poses_[*step.pose].name,
-                                    std::ceil(1e3 * step.time_s) / 1e3)
-                      : fmt::format("  - {}\n", step.text);
+    text += step.pose
+                ? fmt::format("  - {{pose: {}, {}: {:.3f}}}\n", poses_[*step.pose].name,
+                              step.at_least ? "at_least_s" : "time_s", std::ceil(1e3 * step.time_s) / 1e3)
+                : fmt::format("  - {}\n", step.text);
   }
   return text;
 }

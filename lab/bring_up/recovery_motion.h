@@ -23,6 +23,7 @@ class RecoveryMotion {
   struct Step {
     std::optional<std::size_t> pose{};  // of a move or a wait; nothing: what `text` says
     double time_s = 0.0;
+    bool at_least = false;  // the servos may need longer, from wherever the robot is
     std::string text{};  // an expected attitude, as the motion file has it
   };
 
