@@ -38,6 +38,7 @@ BAD = {
     "two ends of a loop": lambda motion: motion["steps"][2]["loop"].update(times=5),
     "an interpolation that is not there": lambda motion: motion.update(interpolation="spline"),
     "too much stiffness": lambda motion: motion["steps"].append({"stiffness": {"knee": 101}}),
+    "an unknown path": lambda motion: motion["steps"][0].update(path="com"),
     "one time of a joint": lambda motion: motion["steps"][0].update(during={"knee": [0.5]}),
     "no gain": lambda motion: motion["steps"].append({"gain": {"knee": 0}}),
     "too much gain": lambda motion: motion["steps"][0].update(gain={"knee": 201}),

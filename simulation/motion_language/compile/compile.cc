@@ -8,6 +8,7 @@
 #include "simulation/model/image_writer.h"
 #include "simulation/motion_language/compile/lower.h"
 #include "simulation/motion_language/compile/speed.h"
+#include "simulation/motion_language/compile/zmp_path.h"
 #include "simulation/motion_language/parse/codes.h"
 #include "simulation/motion_language/parse/parse.h"
 
@@ -204,7 +205,9 @@ std::string describe(motion::MotionStatus status) {
   return std::string(kMotionStatusTexts.at(static_cast<std::size_t>(status)));
 }
 
-CompiledMotion compile_motion(const MotionSource& motion, const NamedModel& robot, Diagnostics& diagnostics) {
+CompiledMotion compile_motion(const MotionSource& source, const NamedModel& robot, Diagnostics& diagnostics) {
+  if (diagnostics.has_errors()) return {};
+  const MotionSource motion = with_zmp_paths(source, robot, diagnostics);
   if (diagnostics.has_errors()) return {};
   const PoseTable table(motion.poses);
   check_poses(motion, table, diagnostics);

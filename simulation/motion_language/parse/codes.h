@@ -45,5 +45,6 @@ inline constexpr const char* kRefused = "M042";          // rejected by the firm
 inline constexpr const char* kUnused = "M050";           // warning
 inline constexpr const char* kLeanWithoutLegs = "M051";  // warning
 inline constexpr const char* kClamped = "M052";          // warning
+inline constexpr const char* kZmpPath = "M053";          // warning
 
 }  // namespace koboshi::simulation::code

@@ -28,8 +28,8 @@ struct StepKeys {
 
 const std::vector<StepKeys> kStepKeys{
     {"pose",
-     {"time_s", "speed_deg_per_s", "at_least_s", "interpolation", "pause_s", "mirror", "during", "lean",
-      "stiffness", "gain", "mix"},
+     {"time_s", "speed_deg_per_s", "at_least_s", "interpolation", "pause_s", "mirror", "during", "path",
+      "lean", "stiffness", "gain", "mix"},
      1},
     {"loop", {}},
     {"expect", {}},
@@ -221,6 +221,7 @@ bool StepParser::parse_move(const YamlNode& map, const YamlNode& value, StepSour
   }
   parse_timing(map, step);
   if (const YamlNode* node = map.find("during")) parse_during(*node, step);
+  if (const YamlNode* node = map.find("path")) parse_path(map, *node, step);
   if (map.find("pause_s") != nullptr) step.pause_us = time_us(map, "pause_s").value_or(0);
   if (const YamlNode* node = map.find("stiffness")) settings_.shares(*node, node->key, step.stiffness);
   if (const YamlNode* node = map.find("gain")) settings_.shares(*node, node->key, step.gain);
@@ -237,6 +238,20 @@ void StepParser::parse_during(const YamlNode& node, StepSource& step) {
                   "a move with time_s that is linear, minimum_jerk or a trapezoid");
   } else if (step.time_us != 0) {
     settings_.windows(node, step.time_us, step.windows);
+  }
+}
+
+void StepParser::parse_path(const YamlNode& map, const YamlNode& node, StepSource& step) {
+  const auto path = reader_.one_of(node, {"joints", "zmp"});
+  step.zmp_path = path && *path == "zmp";
+  if (!step.zmp_path) return;
+  for (const char* key :
+       {"speed_deg_per_s", "at_least_s", "interpolation", "during", "lean", "stiffness", "gain", "mix"}) {
+    const YamlNode* other = map.find(key);
+    if (other != nullptr)
+      reader_.error(code::kContradiction, Reader::key_place(*other),
+                    std::string(key) + " in a move of path: zmp",
+                    "time_s and pause_s only; settings are steps of their own");
   }
 }
 

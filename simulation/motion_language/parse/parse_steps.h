@@ -41,6 +41,7 @@ class StepParser {
   bool check_kind(const Node& node, const std::string& kind);
   bool parse_kind(const std::string& kind, const Node& map, const Node& value, StepSource& step);
   bool parse_word(const Node& node, StepSource& step);
+  void parse_path(const YamlNode& map, const YamlNode& node, StepSource& step);
   void parse_during(const YamlNode& node, StepSource& step);
   void parse_timing(const Node& map, StepSource& step);
   bool parse_move(const Node& map, const Node& value, StepSource& step);

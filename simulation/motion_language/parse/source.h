@@ -90,6 +90,7 @@ struct StepSource {
   bool at_least = false;        // kMove: `time_us` is the least time; each joint's speed limit may take more
   motion::Interpolation interpolation = motion::Interpolation::kLinear;  // kMove
   std::vector<motion::Window> windows = {};  // kMove: joints that turn in a part of `time_us` only
+  bool zmp_path = false;                     // kMove: the ZMP goes straight to where the pose rests
   std::uint32_t pause_us = 0;                // kMove; 0: none
   LoopKind loop = LoopKind::kTimes;
   std::uint16_t times = 0;                   // kLoop; 0: until stopped

@@ -303,6 +303,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadMotion{"M006", "variables: {roll_mdeg: 1}\nsteps: [end]\n", "5:13", "no name of a sensor"},
         BadMotion{"M010", "steps: [{pose: {left_kne: 5}, time_s: 1}]\n", "5:17", "did you mean `left_knee`?"},
         BadMotion{"M010", "steps: [{stiffness: {left_arms: 5}}]\n", "5:22", "did you mean `left_arm`?"},
+        BadMotion{"M026", "steps: [{pose: {head_pan: 5}, time_s: 1, path: zmp, lean: {pitch_deg: 5}}]\n",
+                  "5:53", "lean in a move of path: zmp"},
+        BadMotion{"M026", "steps: [{pose: {head_pan: 5}, at_least_s: 1, path: zmp}]\n", "5:31",
+                  "at_least_s in a move of path: zmp"},
+        BadMotion{"M018", "steps: [{pose: {head_pan: 5}, time_s: 1, path: zmp}]\n", "5:9",
+                  "a move of all joints of the legs before it"},
         BadMotion{"M026", "steps: [{pose: {head_pan: 5}, at_least_s: 1, during: {head_pan: [0, 1]}}]\n",
                   "5:46", "without time_s"},
         BadMotion{
