@@ -10,6 +10,7 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "firmware/fixed/host/convert.h"
+#include "simulation/motion_language/compile/zmp_path.h"
 #include "tools/motion_files/format/lines.h"
 
 namespace koboshi::tools {
@@ -263,7 +264,10 @@ class Flattener {
 }  // namespace
 
 ForeignMotion flatten_motion(const simulation::MotionSource& source, const simulation::NamedModel& robot) {
-  return Flattener(source, robot).run();
+  simulation::Diagnostics messages(source.file);
+  const simulation::MotionSource divided = simulation::with_zmp_paths(source, robot, messages);
+  messages.throw_errors();
+  return Flattener(divided, robot).run();
 }
 
 }  // namespace koboshi::tools

@@ -140,6 +140,17 @@ TEST_F(ExportTest, WritesAKeyFrameAtEachEndOfAJointsOwnTime) {
   EXPECT_NEAR(std::abs(elbow(3)), 20.0, 0.03);
 }
 
+// 0.4 s of a path of the zero moment point are ten key frames.
+TEST_F(ExportTest, WritesThePathOfTheZeroMomentPoint) {
+  const std::string motion =
+      "version: 2\nrobot: koboshi\nname: a\nposes:\n"
+      "  low: {others: zero, hip_pitch: -15.9, knee: 43.7, ankle_pitch: -27.8}\n"
+      "  left: {from: low, com: {y_mm: 20}}\nsteps:\n  - {pose: low, time_s: 1}\n"
+      "  - {pose: left, time_s: 0.4, path: zmp}\n";
+  EXPECT_EQ(exported(motion, "csv").frames, 11u);
+  EXPECT_NEAR(exported(motion, "csv").duration_s, 1.4, 1e-9);
+}
+
 TEST_F(ExportTest, SaysThatGainsAreLeftOut) {
   const std::string head = "version: 2\nrobot: koboshi\nname: a\nposes:\n  p: {left_knee: 10}\nsteps:\n";
   const std::string move = "  - {pose: p, time_s: 1, gain: {left_knee: 40}}\n";
