@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <set>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -31,11 +32,8 @@ std::string name_of_axis(const Vector3d& axis) {
   return std::string(axis[index] < 0.0 ? "-" : "") + static_cast<char>('x' + index);
 }
 
-// Returns the axis, x, y or z, about which a joint turns most.
-char main_axis(const ImportedRobot& robot, const std::vector<Eigen::Isometry3d>& X_RL,
-               const Eigen::Matrix3d& R_MR, std::size_t joint) {
-  const ImportedJoint& described = robot.joints[joint];
-  const Vector3d axis_M = R_MR * X_RL[static_cast<std::size_t>(described.child)].linear() * described.axis_L;
+// Returns the axis, x, y or z, that is nearest to a direction.
+char main_axis(const Vector3d& axis_M) {
   int index = 0;
   axis_M.cwiseAbs().maxCoeff(&index);
   return static_cast<char>('x' + index);
@@ -98,14 +96,71 @@ class RoleFinder {
     }
   }
 
-  // By place where a limb has as many joints as roles: an axis may stand at 45 degrees. Else by axis, in
-  // order.
+  Vector3d axis_M(std::size_t joint) const {
+    const ImportedJoint& described = robot_.joints[joint];
+    return R_MR_ * X_RL_[static_cast<std::size_t>(described.child)].linear() * described.axis_L;
+  }
+  Vector3d anchor_M(std::size_t joint) const {
+    return R_MR_ * X_RL_[static_cast<std::size_t>(robot_.joints[joint].child)].translation();
+  }
+
+  // Joints of a limb in the order of the roles. Those of a leg with all six are taken by place, hip and ankle
+  // each in the order that fits the axes best: yaw, roll and pitch of a hip come in any order, and an axis
+  // may stand at 45 degrees. Those of an arm are taken by place, without twists of the upper arm before the
+  // elbow.
+  template <std::size_t kCount>
+  std::vector<std::size_t> in_order(const Limb& limb, const std::array<RoleJoint, kCount>& roles) const {
+    std::vector<std::size_t> joints = limb.joints;
+    if (joints.size() < kCount) return joints;
+    if constexpr (kCount == kLegRoles.size()) {
+      sort_by_axes(std::span(joints).subspan(0, 3), std::span(roles).subspan(0, 3));
+      sort_by_axes(std::span(joints).subspan(4, 2), std::span(roles).subspan(4, 2));
+    } else if constexpr (kCount == kArmRoles.size()) {
+      std::size_t elbow = kCount - 1;
+      while (elbow < joints.size() && is_twist(joints, elbow)) ++elbow;
+      if (elbow < joints.size()) std::swap(joints[kCount - 1], joints[elbow]);
+    }
+    return joints;
+  }
+
+  // Keeps the order unless another one fits clearly better.
+  void sort_by_axes(std::span<std::size_t> joints, std::span<const RoleJoint> roles) const {
+    constexpr double kClear = 0.3;
+    const auto fit = [&](const std::vector<std::size_t>& order) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < order.size(); ++i) sum += std::abs(axis_M(order[i])[roles[i].axis - 'x']);
+      return sum;
+    };
+    const std::vector<std::size_t> given(joints.begin(), joints.end());
+    std::vector<std::size_t> order = given;
+    std::ranges::sort(order);
+    double best = fit(given) + kClear;
+    do {
+      if (fit(order) <= best) continue;
+      best = fit(order);
+      std::ranges::copy(order, joints.begin());
+    } while (std::ranges::next_permutation(order).found);
+  }
+
+  // A joint that turns the limb about its own direction: the way to the next anchor.
+  bool is_twist(const std::vector<std::size_t>& joints, std::size_t at) const {
+    constexpr double kAlong = 0.85;
+    constexpr double kApart_m = 1e-3;
+    for (std::size_t next = at + 1; next < joints.size(); ++next) {
+      const Vector3d way = anchor_M(joints[next]) - anchor_M(joints[at]);
+      if (way.norm() > kApart_m) return std::abs(way.normalized().dot(axis_M(joints[at]))) > kAlong;
+    }
+    return false;
+  }
+
+  // By axis where a limb has fewer joints than roles.
   template <std::size_t kCount>
   void name_limb(const Limb& limb, const std::string& side, const std::array<RoleJoint, kCount>& roles) {
     std::size_t next = 0;
-    for (std::size_t i = 0; i < limb.joints.size() && next < kCount; ++i) {
-      const ImportedJoint& joint = robot_.joints[limb.joints[i]];
-      const char axis = main_axis(robot_, X_RL_, R_MR_, limb.joints[i]);
+    for (const std::size_t index : in_order(limb, roles)) {
+      if (next == kCount) break;
+      const ImportedJoint& joint = robot_.joints[index];
+      const char axis = main_axis(axis_M(index));
       std::size_t role = next;
       if (limb.joints.size() < kCount)
         while (role < kCount && roles[role].axis != axis) ++role;

@@ -59,16 +59,20 @@ class Aligner {
     const std::optional<double> x = crossing_of(yaw, pitch, 0);
     const std::optional<double> y = crossing_of(yaw, roll, 1);
     const std::optional<double> z = crossing_of(roll, pitch, 2);
-    if (x && y && z) slide_to({*x, *y, *z}, {yaw, roll, pitch});
+    if (x && y && z)
+      slide_to({*x, *y, *z}, {yaw, roll, pitch});
+    else
+      slide_along(yaw, roll, pitch);
     const double leg_y = point(yaw).y();
     for (const std::size_t joint : {knee, ankle_pitch})
       if (is_along(anchors_.axes[joint], 1)) slide_to({point(joint).x(), leg_y, point(joint).z()}, {joint});
     if (!is_along(anchors_.axes[ankle_pitch], 1) || !is_along(anchors_.axes[ankle_roll], 0)) return;
     const std::optional<double> ankle_z = crossing_of(ankle_pitch, ankle_roll, 2);
     const double beside_m = point(ankle_roll).y() - leg_y;
-    if (std::abs(beside_m) > max_miss_m_)
+    if (std::abs(beside_m) > max_miss_m_) {
       warn_miss(anchors_.names[ankle_roll], anchors_.names[yaw], beside_m, 1);
-    else if (ankle_z) {
+      slide_to({point(ankle_pitch).x(), point(ankle_roll).y(), point(ankle_roll).z()}, {ankle_roll});
+    } else if (ankle_z) {
       report_miss(anchors_.names[ankle_roll], anchors_.names[yaw], beside_m, 1);
       slide_to({point(ankle_pitch).x(), leg_y, *ankle_z}, {ankle_pitch, ankle_roll});
     }
@@ -158,6 +162,14 @@ class Aligner {
                                                  anchors_.names[joint], kMmPerM * along_m));
       point(joint) = to;
     }
+  }
+
+  // Hips whose axes do not meet: each anchor slides along its own hinge to where it is nearest to the others,
+  // so that left and right, of which only one may miss by too much, stay mirror images.
+  void slide_along(std::size_t yaw, std::size_t roll, std::size_t pitch) {
+    slide_to({point(yaw).x(), point(yaw).y(), point(pitch).z()}, {yaw});
+    slide_to({point(yaw).x(), point(roll).y(), point(roll).z()}, {roll});
+    slide_to({point(pitch).x(), point(yaw).y(), point(pitch).z()}, {pitch});
   }
 
   void report_miss(const std::string& one, const std::string& other, double miss_m, int index) {
