@@ -283,6 +283,62 @@ std::string deepest_squat(const TextOfDepth& text_of, const simulation::NamedMod
   return {};
 }
 
+std::string standing_pose_text(const StartValues& values, const simulation::NamedModel& model,
+                               double height_m) {
+  return pose_text("stand", "hanging", values.com_forward_m, height_m, values.step_width_m) +
+         hanging_text(model);
+}
+
+// Returns the text of the motion that shifts the weight from the standing pose `pose` the farthest that the
+// legs reach: hips of some robots do not turn inward far enough for the middle of a sole. Throws MotionError,
+// that of the shortest shift.
+std::string farthest_shift(const StartValues& values, const std::string& pose, const std::string& time,
+                           const simulation::NamedModel& model, const std::string& origin) {
+  constexpr std::array<double, 4> kInsets{0.0, 0.15, 0.3, 0.45};  // of half of the sole's width
+  for (const double inset : kInsets) {
+    const double inset_m = inset * 0.5 * values.sole_width_m;
+    const auto over = [&](const char* side, const char* other, double com_y_m) {
+      return fmt::format(
+          "  over_{0}: {{from: stand, support: {0}, com: {{y_mm: {1:.4g}}}, {2}_foot: {{z_mm: {3:.1f}}}}}\n",
+          side, kMmPerM * com_y_m, other, kMmPerM * kFreeFoot * values.leg_m);
+    };
+    std::string text = motion_head(values, "shift", origin) + pose + over("left", "right", 0.0 - inset_m) +
+                       over("right", "left", inset_m) +
+                       fmt::format(
+                           "steps:\n  - {{pose: stand, time_s: {0}}}\n"
+                           "  - {{pose: over_left, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
+                           "  - {{pose: over_right, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
+                           "  - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
+                           time);
+    try {
+      static_cast<void>(compiled_angles(text, model));
+      return text;
+    } catch (const simulation::MotionError&) {
+      if (inset == kInsets.back()) throw;
+    }
+  }
+  return {};
+}
+
+// Narrows the steps until the legs reach a shift of the weight over each foot; leaves them if no width will
+// do, so that standing_pose() names the cause.
+void narrow_to_reach(StartValues& values, const simulation::NamedModel& model) {
+  constexpr double kStep_m = 0.002;
+  const double wanted_m = values.step_width_m;
+  const double narrowest_m = values.value("narrowest_step_mm") / kMmPerM;
+  for (double width_m = wanted_m; width_m >= narrowest_m; width_m -= kStep_m) {
+    values.step_width_m = width_m;
+    try {
+      static_cast<void>(farthest_shift(values, standing_pose_text(values, model, values.com_height_m), "1",
+                                       model, "trial"));
+      if (width_m != wanted_m) set(values.parameters, "step_width_mm", kMmPerM * width_m);
+      return;
+    } catch (const simulation::MotionError&) {
+    }
+  }
+  values.step_width_m = wanted_m;
+}
+
 }  // namespace
 
 BodyMeasures measure(const sim_board::RobotDescription& robot) {
@@ -389,6 +445,7 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
   values.step_width_m = *find(parameters, "step_width_mm") / kMmPerM;
   values.com_forward_m = body.sole_middle_m;
   values.leg_m = body.leg_m;
+  values.sole_width_m = body.sole_width_m;
   values.com_lowered_m = body.com_m - values.com_height_m;
   values.leg_use = (body.limb_m - values.com_lowered_m) / body.limb_m;
   if (values.leg_use > kMostLegUse || values.leg_use < kLeastLegUse)
@@ -399,6 +456,7 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
                     kMmPerM * values.leg_use * body.limb_m),
         fmt::format("{:.0f} to {:.0f} mm", kMmPerM * (body.com_m - (1 - kLeastLegUse) * body.limb_m),
                     kMmPerM * (body.com_m - (1 - kMostLegUse) * body.limb_m)));
+  narrow_to_reach(values, model);
   return values;
 }
 
@@ -421,12 +479,11 @@ StandingPose standing_pose(const StartValues& values, const simulation::NamedMod
                            const std::string& origin) {
   const double step_s = 1.5 * std::max(1.0, values.time_scale);
   const std::string time = fmt::format("{:.2f}", step_s);
-  const std::string hanging = hanging_text(model);
   constexpr int kMostChanges = 20;
   double height_m = values.com_height_m;
+  std::string first_fault;  // the later ones are those of poses too low for the legs
   for (int change = 0;; ++change, height_m *= 0.98) {
-    const std::string pose =
-        pose_text("stand", "hanging", values.com_forward_m, height_m, values.step_width_m) + hanging;
+    const std::string pose = standing_pose_text(values, model, height_m);
     try {
       StandingPose standing{.stand_text = motion_head(values, "stand", origin) + pose +
                                           "steps:\n  - {pose: stand, time_s: " + time + "}\n",
@@ -450,22 +507,12 @@ StandingPose standing_pose(const StartValues& values, const simulation::NamedMod
                        time);
           },
           model);
-      standing.shift_text =
-          motion_head(values, "shift", origin) + pose +
-          fmt::format(
-              "  over_left: {{from: stand, support: left, com: {{y_mm: 0}}, right_foot: {{z_mm: {1:.1f}}}}}\n"
-              "  over_right: {{from: stand, support: right, com: {{y_mm: 0}}, left_foot: {{z_mm: "
-              "{1:.1f}}}}}\n"
-              "steps:\n  - {{pose: stand, time_s: {0}}}\n"
-              "  - {{pose: over_left, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
-              "  - {{pose: over_right, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
-              "  - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
-              time, kMmPerM * kFreeFoot * values.leg_m);
-      static_cast<void>(compiled_angles(standing.shift_text, model));
+      standing.shift_text = farthest_shift(values, pose, time, model, origin);
       return standing;
     } catch (const simulation::MotionError& error) {
+      if (first_fault.empty()) first_fault = error.what();
       if (change == kMostChanges)
-        throw InputError("stand.yaml", 0, one_line(error.what()), "a standing pose that the legs reach");
+        throw InputError("stand.yaml", 0, first_fault, "a standing pose that the legs reach");
     }
   }
 }

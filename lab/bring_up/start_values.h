@@ -48,6 +48,7 @@ struct StartValues {
   double com_forward_m = 0.0;  // of the standing pose, in front of the ankles
   double time_scale = 1.0;     // of the reference's times
   double leg_m = 0.0;          // BodyMeasures::leg_m
+  double sole_width_m = 0.0;   // BodyMeasures::sole_width_m
   double com_lowered_m = 0.0;  // CoM height of straight legs less `com_height_m`
   double leg_use = 1.0;        // distance from hip to ankle, as a share of that of straight legs
 
@@ -70,9 +71,9 @@ struct StartFactors {
                                         const StartFactors& factors = {});
 
 // The texts of parameters.yaml and of the motions `stand`, `squat` and `shift`, which compile for this robot.
-// `shift` moves the centre of mass over the left foot, then over the right one, lets the other foot hang just
-// above the ground, and holds each for a second.
-// `origin` is named in their first lines. Throws InputError if the legs do not reach a pose.
+// `shift` moves the centre of mass over the left foot, then over the right one, or as far as the hips reach,
+// lets the other foot hang just above the ground, and holds each for a second. `origin` is named in their
+// first lines. Throws InputError if the legs do not reach a pose.
 [[nodiscard]] std::string parameters_text(const StartValues& values, const std::string& origin);
 struct StandingPose {
   std::string stand_text;
