@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -32,7 +33,14 @@ std::string name_of_axis(const Vector3d& axis) {
   return std::string(axis[index] < 0.0 ? "-" : "") + static_cast<char>('x' + index);
 }
 
-// Returns the axis, x, y or z, that is nearest to a direction.
+// Returns the axis of a joint in M.
+Vector3d axis_in_model(const ImportedRobot& robot, const std::vector<Eigen::Isometry3d>& X_RL,
+                       const Eigen::Matrix3d& R_MR, std::size_t joint) {
+  const ImportedJoint& described = robot.joints[joint];
+  return R_MR * X_RL[static_cast<std::size_t>(described.child)].linear() * described.axis_L;
+}
+
+// Returns the axis, x, y or z, about which a joint turns most.
 char main_axis(const Vector3d& axis_M) {
   int index = 0;
   axis_M.cwiseAbs().maxCoeff(&index);
@@ -96,73 +104,18 @@ class RoleFinder {
     }
   }
 
-  Vector3d axis_M(std::size_t joint) const {
-    const ImportedJoint& described = robot_.joints[joint];
-    return R_MR_ * X_RL_[static_cast<std::size_t>(described.child)].linear() * described.axis_L;
-  }
-  Vector3d anchor_M(std::size_t joint) const {
-    return R_MR_ * X_RL_[static_cast<std::size_t>(robot_.joints[joint].child)].translation();
-  }
-
-  // Joints of a limb in the order of the roles. Those of a leg with all six are taken by place, hip and ankle
-  // each in the order that fits the axes best: yaw, roll and pitch of a hip come in any order, and an axis
-  // may stand at 45 degrees. Those of an arm are taken by place, without twists of the upper arm before the
-  // elbow.
-  template <std::size_t kCount>
-  std::vector<std::size_t> in_order(const Limb& limb, const std::array<RoleJoint, kCount>& roles) const {
-    std::vector<std::size_t> joints = limb.joints;
-    if (joints.size() < kCount) return joints;
-    if constexpr (kCount == kLegRoles.size()) {
-      sort_by_axes(std::span(joints).subspan(0, 3), std::span(roles).subspan(0, 3));
-      sort_by_axes(std::span(joints).subspan(4, 2), std::span(roles).subspan(4, 2));
-    } else if constexpr (kCount == kArmRoles.size()) {
-      std::size_t elbow = kCount - 1;
-      while (elbow < joints.size() && is_twist(joints, elbow)) ++elbow;
-      if (elbow < joints.size()) std::swap(joints[kCount - 1], joints[elbow]);
-    }
-    return joints;
-  }
-
-  // Keeps the order unless another one fits clearly better.
-  void sort_by_axes(std::span<std::size_t> joints, std::span<const RoleJoint> roles) const {
-    constexpr double kClear = 0.3;
-    const auto fit = [&](const std::vector<std::size_t>& order) {
-      double sum = 0.0;
-      for (std::size_t i = 0; i < order.size(); ++i) sum += std::abs(axis_M(order[i])[roles[i].axis - 'x']);
-      return sum;
-    };
-    const std::vector<std::size_t> given(joints.begin(), joints.end());
-    std::vector<std::size_t> order = given;
-    std::ranges::sort(order);
-    double best = fit(given) + kClear;
-    do {
-      if (fit(order) <= best) continue;
-      best = fit(order);
-      std::ranges::copy(order, joints.begin());
-    } while (std::ranges::next_permutation(order).found);
-  }
-
-  // A joint that turns the limb about its own direction: the way to the next anchor.
-  bool is_twist(const std::vector<std::size_t>& joints, std::size_t at) const {
-    constexpr double kAlong = 0.85;
-    constexpr double kApart_m = 1e-3;
-    for (std::size_t next = at + 1; next < joints.size(); ++next) {
-      const Vector3d way = anchor_M(joints[next]) - anchor_M(joints[at]);
-      if (way.norm() > kApart_m) return std::abs(way.normalized().dot(axis_M(joints[at]))) > kAlong;
-    }
-    return false;
-  }
-
-  // By axis where a limb has fewer joints than roles.
+  // By place where a limb has as many joints as roles: an axis may stand at 45 degrees. Else by axis, in
+  // order.
   template <std::size_t kCount>
   void name_limb(const Limb& limb, const std::string& side, const std::array<RoleJoint, kCount>& roles) {
+    std::vector<std::size_t> joints = limb.joints;
+    if (joints.size() >= kCount) order_by_role(joints, roles);
     std::size_t next = 0;
-    for (const std::size_t index : in_order(limb, roles)) {
-      if (next == kCount) break;
-      const ImportedJoint& joint = robot_.joints[index];
-      const char axis = main_axis(axis_M(index));
+    for (std::size_t i = 0; i < joints.size() && next < kCount; ++i) {
+      const ImportedJoint& joint = robot_.joints[joints[i]];
+      const char axis = main_axis(axis_of_joint(joints[i]));
       std::size_t role = next;
-      if (limb.joints.size() < kCount)
+      if (joints.size() < kCount)
         while (role < kCount && roles[role].axis != axis) ++role;
       if (role == kCount) continue;
       roles_[side + std::string(roles[role].name)] = joint.name;
@@ -173,6 +126,70 @@ class RoleFinder {
       next = role + 1;
     }
   }
+
+  // Legs have their three hip joints first, in any order, then the knee, then the two of the ankle in any
+  // order. An arm that is longer than its roles has joints that twist it, which are no elbows.
+  template <std::size_t kCount>
+  void order_by_role(std::vector<std::size_t>& joints, const std::array<RoleJoint, kCount>& roles) const {
+    if constexpr (kCount == kLegRoles.size()) {
+      order_by_axis(std::span(joints).first(3), std::span(roles).first(3));
+      order_by_axis(std::span(joints).subspan(4, 2), std::span(roles).subspan(4, 2));
+    } else if constexpr (kCount == kArmRoles.size()) {
+      const auto elbow = std::find_if_not(joints.begin() + 2, joints.end(),
+                                          [this](std::size_t joint) { return twists(joint); });
+      if (elbow != joints.end()) std::iter_swap(joints.begin() + 2, elbow);
+    }
+  }
+
+  // Puts joints into the order of the roles whose axes they turn about most. The order from the trunk
+  // outwards stays where another one is hardly better: an axis may stand between two of the base.
+  void order_by_axis(std::span<std::size_t> joints, std::span<const RoleJoint> roles) const {
+    constexpr double kBetter = 0.1;
+    std::vector<std::size_t> places(joints.size());
+    std::iota(places.begin(), places.end(), std::size_t{0});
+    const auto agreement = [&] {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < places.size(); ++i)
+        sum += std::abs(axis_of_joint(joints[places[i]])[roles[i].axis - 'x']);
+      return sum;
+    };
+    std::vector<std::size_t> best = places;
+    double highest = agreement();
+    while (std::ranges::next_permutation(places).found) {
+      if (agreement() < highest + kBetter) continue;
+      highest = agreement();
+      best = places;
+    }
+    std::vector<std::size_t> ordered;
+    for (const std::size_t place : best) ordered.push_back(joints[place]);
+    std::ranges::copy(ordered, joints.begin());
+  }
+
+  // Whether a joint turns about the line to the centre of what it carries.
+  bool twists(std::size_t joint) const {
+    constexpr double kAlong = 0.8;
+    double mass_kg = 0.0;
+    Vector3d moment = Vector3d::Zero();
+    for (std::size_t link = 0; link < robot_.links.size(); ++link) {
+      if (!carries(joint, static_cast<int>(link))) continue;
+      const double share_kg = std::max(robot_.links[link].mass_kg, 1e-9);
+      mass_kg += share_kg;
+      moment += share_kg * (R_MR_ * (X_RL_[link] * robot_.links[link].p_LCom_L));
+    }
+    const Vector3d along = moment / mass_kg - anchor(joint);
+    return std::abs(axis_of_joint(joint).dot(along)) > kAlong * along.norm();
+  }
+  bool carries(std::size_t joint, int link) const {
+    for (int at = joint_of(robot_, link); at >= 0;
+         at = joint_of(robot_, robot_.joints[static_cast<std::size_t>(at)].parent))
+      if (static_cast<std::size_t>(at) == joint) return true;
+    return false;
+  }
+
+  Vector3d anchor(std::size_t joint) const {
+    return R_MR_ * X_RL_[static_cast<std::size_t>(robot_.joints[joint].child)].translation();
+  }
+  Vector3d axis_of_joint(std::size_t joint) const { return axis_in_model(robot_, X_RL_, R_MR_, joint); }
 
   const ImportedRobot& robot_;
   const Eigen::Matrix3d& R_MR_;

@@ -9,6 +9,7 @@
 #include "base/text/text.h"
 #include "sim_board/description/servo_types.h"
 #include "tools/import/normalise/repair_links.h"
+#include "tools/import/servo/stiff_servo.h"
 
 namespace koboshi::tools {
 namespace {
@@ -82,7 +83,7 @@ void decide_servos(ImportedRobot& robot, const ServoCatalogue& catalogue, Interv
                    ImportReport& report) {
   const std::string usual =
       interview.answer({"servo", "Which servo moves the joints? (koboshi servo plot shows them)",
-                        usual_servo(robot), catalogue.names()});
+                        stiff_servo(usual_servo(robot), robot, catalogue), catalogue.names()});
   decide_transmissions(robot, interview, report);
   for (ImportedJoint& joint : robot.joints) {
     const auto given = interview.given().servos.find(joint.name);
