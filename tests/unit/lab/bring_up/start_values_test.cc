@@ -32,6 +32,13 @@ class StartValuesOf : public testing::Test {
     for (sim_board::JointDescription& joint : robot_.joints) joint.servo.full_voltage_error_rad /= times;
   }
 
+  void limit_hips(double inward_deg) {
+    for (sim_board::JointDescription& joint : robot_.joints) {
+      if (joint.name == "left_hip_roll") joint.lower_rad = -inward_deg * kRadPerDegree;
+      if (joint.name == "right_hip_roll") joint.upper_rad = inward_deg * kRadPerDegree;
+    }
+  }
+
   const sim_board::RobotDescription koboshi_ = sim_board::load_robot(kKoboshi);
   const simulation::RobotParameters reference_ = simulation::read_robot_parameters(kKoboshi);
   sim_board::RobotDescription robot_ = koboshi_;
@@ -87,6 +94,33 @@ TEST_F(StartValuesOf, KneesThatEndEarlyMakeAShallowerSquat) {
   for (sim_board::JointDescription& joint : robot_.joints)
     if (joint.name.ends_with("_knee")) joint.upper_rad = 95.0 * kRadPerDegree;
   EXPECT_NE(squat(), deep);
+}
+
+// Hips that hardly turn inward do not reach the middle of a sole, and less of wide steps.
+TEST_F(StartValuesOf, HipsThatEndEarlyShiftTheWeightLessAndNarrowTheSteps) {
+  const auto shift = [this] {
+    return standing_pose(scaled(), simulation::load_named_model(robot_), "A test").shift_text;
+  };
+  const StartValues wide = scaled();
+  EXPECT_NE(shift().find("support: left, com: {y_mm: 0}"), std::string::npos) << shift();
+  limit_hips(15.0);
+  EXPECT_NE(shift().find("support: left, com: {y_mm: -"), std::string::npos) << shift();
+  limit_hips(13.5);
+  const StartValues narrow = scaled();
+  EXPECT_LT(narrow.step_width_m, wide.step_width_m - 0.003);
+  EXPECT_GE(narrow.value("step_width_mm"), narrow.value("narrowest_step_mm"));
+  EXPECT_NEAR(narrow.value("step_width_mm"), kMmPerM * narrow.step_width_m, 1e-9);
+}
+
+TEST_F(StartValuesOf, ARobotThatReachesNoPoseIsToldTheFirstCause) {
+  limit_hips(8.0);
+  try {
+    static_cast<void>(standing_pose(scaled(), simulation::load_named_model(robot_), "A test"));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("target of left_foot"), std::string::npos) << error.what();
+    EXPECT_EQ(std::string(error.what()).find("..."), std::string::npos) << error.what();
+  }
 }
 
 TEST_F(StartValuesOf, AHeavierTrunkBendTheKneesAlike) {
