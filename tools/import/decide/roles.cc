@@ -198,6 +198,23 @@ class RoleFinder {
   std::map<std::string, std::string> roles_;
 };
 
+// The firmware walks legs with all roles but hip yaw; both sides have the same ones.
+void warn_of_missing_roles(const std::map<std::string, std::string>& roles, ImportReport& report) {
+  std::string missing;
+  std::size_t found = 0;
+  for (const RoleJoint& role : kLegRoles) {
+    if (role.name == "hip_yaw") continue;
+    if (roles.contains("left_" + std::string(role.name))) {
+      ++found;
+    } else {
+      missing += (missing.empty() ? "" : ", ") + std::string(role.name);
+    }
+  }
+  if (found == 0 || missing.empty()) return;
+  report.warnings.push_back("legs without " + missing +
+                            ": the firmware plays motions on such a robot, but cannot walk it");
+}
+
 }  // namespace
 
 Eigen::Matrix3d decide_axes(const ImportedRobot& robot, Interview& interview) {
@@ -230,6 +247,7 @@ void decide_roles(const ImportedRobot& robot, const Eigen::Matrix3d& R_MR, Inter
   // Joints of one side only have no role: the firmware needs both.
   for (auto entry = roles.begin(); entry != roles.end();)
     entry = roles.contains(mirrored_name(entry->first)) ? std::next(entry) : roles.erase(entry);
+  warn_of_missing_roles(roles, report);
   interview.taken.joints = std::move(roles);
 }
 

@@ -48,21 +48,11 @@ class Aligner {
 
   void align_leg(const std::string& side) {
     const auto hip = triple(side, {"hip_yaw", "hip_roll", "hip_pitch"});
+    if (!hip || !align_hip(*hip)) return;
     const auto lower = triple(side, {"knee", "ankle_pitch", "ankle_roll"});
-    if (!hip || !lower) return;
-    const auto [yaw, roll, pitch] = *hip;
+    if (!lower) return;
+    const std::size_t yaw = (*hip)[0];
     const auto [knee, ankle_pitch, ankle_roll] = *lower;
-    if (!is_along(anchors_.axes[yaw], 2) || !is_along(anchors_.axes[roll], 0) ||
-        !is_along(anchors_.axes[pitch], 1))
-      return;
-    // A hinge fixes the two coordinates across it.
-    const std::optional<double> x = crossing_of(yaw, pitch, 0);
-    const std::optional<double> y = crossing_of(yaw, roll, 1);
-    const std::optional<double> z = crossing_of(roll, pitch, 2);
-    if (x && y && z)
-      slide_to({*x, *y, *z}, {yaw, roll, pitch});
-    else
-      slide_along(yaw, roll, pitch);
     const double leg_y = point(yaw).y();
     for (const std::size_t joint : {knee, ankle_pitch})
       if (is_along(anchors_.axes[joint], 1)) slide_to({point(joint).x(), leg_y, point(joint).z()}, {joint});
@@ -128,6 +118,23 @@ class Aligner {
   }
 
  private:
+  // Lets the axes of a hip meet; false if they are not along those of the base.
+  bool align_hip(const std::array<std::size_t, 3>& hip) {
+    const auto [yaw, roll, pitch] = hip;
+    if (!is_along(anchors_.axes[yaw], 2) || !is_along(anchors_.axes[roll], 0) ||
+        !is_along(anchors_.axes[pitch], 1))
+      return false;
+    // A hinge fixes the two coordinates across it.
+    const std::optional<double> x = crossing_of(yaw, pitch, 0);
+    const std::optional<double> y = crossing_of(yaw, roll, 1);
+    const std::optional<double> z = crossing_of(roll, pitch, 2);
+    if (x && y && z)
+      slide_to({*x, *y, *z}, {yaw, roll, pitch});
+    else
+      slide_along(yaw, roll, pitch);
+    return true;
+  }
+
   std::optional<std::array<std::size_t, 3>> triple(const std::string& side,
                                                    const std::array<const char*, 3>& roles) const {
     std::array<std::size_t, 3> joints{};
