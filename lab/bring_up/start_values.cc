@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <initializer_list>
 #include <limits>
 #include <string_view>
@@ -175,10 +176,24 @@ constexpr double kLeastLegUse = 0.6;
 // leg's servos sag, which would leave a part of the weight on the free foot.
 constexpr double kFreeFoot = 0.03;
 
+// Raises a value to within the range "394 to 430 mm" that a refusal expects; false if it is not below it: a
+// CoM height for which ankles would have to bend further than they do.
+bool raise_into(double& value, const std::string& expected) {
+  constexpr double kWithin = 0.6;  // of the range, for a CoM before the ankles, steps and sway
+  double lower = 0.0;
+  double upper = 0.0;
+  if (std::sscanf(expected.c_str(), "%lf to %lf", &lower, &upper) != 2 || value >= lower || upper < lower)
+    return false;
+  value = lower + kWithin * (upper - lower);
+  return true;
+}
+
 // Changes a value that the robot's body refuses; false for one that cannot be mended.
-bool mend(RobotParameters& parameters, const std::string& refused, const BodyMeasures& body) {
+bool mend(RobotParameters& parameters, const std::string& refused, const std::string& expected,
+          const BodyMeasures& body) {
   constexpr double kLess = 0.98;
   const double least_mm = kMmPerM * body.sole_width_m + 2.0;
+  if (refused == "com_height_mm" && raise_into(*find(parameters, refused), expected)) return true;
   if (refused == "com_height_mm" || refused == "longest_step_mm") {
     multiply(parameters, refused, kLess);
     return *find(parameters, refused) >
@@ -216,7 +231,8 @@ void fit(RobotParameters& parameters, const BodyMeasures& body, const robot::Rob
       return;
     } catch (const InputError& error) {
       const std::string refused = error.found().substr(0, error.found().find(' '));
-      if (change == kMostChanges || find(parameters, refused) == nullptr || !mend(parameters, refused, body))
+      if (change == kMostChanges || find(parameters, refused) == nullptr ||
+          !mend(parameters, refused, error.expected(), body))
         throw;
     }
   }
@@ -338,6 +354,66 @@ void narrow_to_reach(StartValues& values, const simulation::NamedModel& model) {
   }
   values.step_width_m = wanted_m;
 }
+
+// Makes the standing pose at a height, and the motions from it.
+class PoseMaker {
+ public:
+  PoseMaker(const StartValues& values, const simulation::NamedModel& model, const std::string& origin)
+      : values_(values),
+        model_(model),
+        origin_(origin),
+        step_s_(1.5 * std::max(1.0, values.time_scale)),
+        time_(fmt::format("{:.2f}", step_s_)) {}
+
+  // Throws MotionError for a pose that the legs do not reach; motions that they do not reach are `unreached`.
+  StandingPose make(double height_m) const {
+    const std::string pose = standing_pose_text(values_, model_, height_m);
+    StandingPose standing{.stand_text = motion_head(values_, "stand", origin_) + pose +
+                                        "steps:\n  - {pose: stand, time_s: " + time_ + "}\n",
+                          .squat_text = {},
+                          .shift_text = {},
+                          .joints_text = {},
+                          .joints_deg = {},
+                          .step_s = step_s_,
+                          .unreached = {}};
+    standing.joints_deg = compiled_angles(standing.stand_text, model_);
+    for (const auto& [joint, angle_deg] : standing.joints_deg)
+      standing.joints_text +=
+          fmt::format("{}{}: {:.2f}", standing.joints_text.empty() ? "" : ", ", joint, angle_deg);
+    const auto attempt = [&standing](const char* motion, std::string& text, const auto& make_text) {
+      try {
+        text = make_text();
+      } catch (const simulation::MotionError& error) {
+        standing.unreached[motion] = error.what();
+      }
+    };
+    attempt("squat", standing.squat_text, [&] { return squat_text(pose, height_m); });
+    attempt("shift", standing.shift_text,
+            [&] { return farthest_shift(values_, pose, time_, model_, origin_); });
+    return standing;
+  }
+
+ private:
+  std::string squat_text(const std::string& pose, double height_m) const {
+    return deepest_squat(
+        [&](double depth) {
+          return motion_head(values_, "squat", origin_) + pose +
+                 pose_text("down", "stand", values_.com_forward_m, depth * height_m, values_.step_width_m) +
+                 fmt::format(
+                     "steps:\n  - {{pose: stand, time_s: {0}}}\n  - loop:\n      times: 3\n      steps:\n"
+                     "        - {{pose: down, time_s: {0}, interpolation: minimum_jerk}}\n"
+                     "        - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
+                     time_);
+        },
+        model_);
+  }
+
+  const StartValues& values_;
+  const simulation::NamedModel& model_;
+  const std::string& origin_;
+  double step_s_;
+  std::string time_;
+};
 
 }  // namespace
 
@@ -477,44 +553,24 @@ std::string parameters_text(const StartValues& values, const std::string& origin
 
 StandingPose standing_pose(const StartValues& values, const simulation::NamedModel& model,
                            const std::string& origin) {
-  const double step_s = 1.5 * std::max(1.0, values.time_scale);
-  const std::string time = fmt::format("{:.2f}", step_s);
-  constexpr int kMostChanges = 20;
-  double height_m = values.com_height_m;
+  // Lower, then higher: ankles that bend little hold up a robot that others let down.
+  constexpr int kMostLower = 20;
+  constexpr int kMostChanges = kMostLower + 5;
   std::string first_fault;  // the later ones are those of poses too low for the legs
-  for (int change = 0;; ++change, height_m *= 0.98) {
-    const std::string pose = standing_pose_text(values, model, height_m);
-    try {
-      StandingPose standing{.stand_text = motion_head(values, "stand", origin) + pose +
-                                          "steps:\n  - {pose: stand, time_s: " + time + "}\n",
-                            .squat_text = {},
-                            .shift_text = {},
-                            .joints_text = {},
-                            .joints_deg = {},
-                            .step_s = step_s};
-      standing.joints_deg = compiled_angles(standing.stand_text, model);
-      for (const auto& [joint, angle_deg] : standing.joints_deg)
-        standing.joints_text +=
-            fmt::format("{}{}: {:.2f}", standing.joints_text.empty() ? "" : ", ", joint, angle_deg);
-      standing.squat_text = deepest_squat(
-          [&](double depth) {
-            return motion_head(values, "squat", origin) + pose +
-                   pose_text("down", "stand", values.com_forward_m, depth * height_m, values.step_width_m) +
-                   fmt::format(
-                       "steps:\n  - {{pose: stand, time_s: {0}}}\n  - loop:\n      times: 3\n      steps:\n"
-                       "        - {{pose: down, time_s: {0}, interpolation: minimum_jerk}}\n"
-                       "        - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
-                       time);
-          },
-          model);
-      standing.shift_text = farthest_shift(values, pose, time, model, origin);
-      return standing;
-    } catch (const simulation::MotionError& error) {
-      if (first_fault.empty()) first_fault = error.what();
-      if (change == kMostChanges)
-        throw InputError("stand.yaml", 0, first_fault, "a standing pose that the legs reach");
+  for (const bool with_all : {true, false}) {
+    for (int change = 0; change <= kMostChanges; ++change) {
+      const double factor =
+          change <= kMostLower ? std::pow(0.98, change) : std::pow(1.01, change - kMostLower);
+      try {
+        StandingPose standing = PoseMaker(values, model, origin).make(factor * values.com_height_m);
+        if (standing.unreached.empty() || !with_all) return standing;
+        if (first_fault.empty()) first_fault = standing.unreached.begin()->second;
+      } catch (const simulation::MotionError& error) {
+        if (first_fault.empty()) first_fault = error.what();
+      }
     }
   }
+  throw InputError("stand.yaml", 0, first_fault, "a standing pose that the legs reach");
 }
 
 }  // namespace koboshi::lab

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -51,6 +52,7 @@ struct StartValues {
   double sole_width_m = 0.0;   // BodyMeasures::sole_width_m
   double com_lowered_m = 0.0;  // CoM height of straight legs less `com_height_m`
   double leg_use = 1.0;        // distance from hip to ankle, as a share of that of straight legs
+  std::map<std::string, std::string> unreached{};  // StandingPose::unreached
 
   // Returns the value of a parameter; 0 if it is not set.
   [[nodiscard]] double value(const std::string& key) const;
@@ -73,7 +75,7 @@ struct StartFactors {
 // The texts of parameters.yaml and of the motions `stand`, `squat` and `shift`, which compile for this robot.
 // `shift` moves the centre of mass over the left foot, then over the right one, or as far as the hips reach,
 // lets the other foot hang just above the ground, and holds each for a second. `origin` is named in their
-// first lines. Throws InputError if the legs do not reach a pose.
+// first lines. Throws InputError if the legs do not reach the standing pose.
 [[nodiscard]] std::string parameters_text(const StartValues& values, const std::string& origin);
 struct StandingPose {
   std::string stand_text;
@@ -82,6 +84,8 @@ struct StandingPose {
   std::string joints_text;                                 // the pose's angles as a map of YAML, in degrees
   std::vector<std::pair<std::string, double>> joints_deg;  // the same
   double step_s = 0.0;                                     // time of each move
+  // Of `squat` and `shift` those that the legs do not reach at any height, and why; their texts are empty.
+  std::map<std::string, std::string> unreached{};
 };
 [[nodiscard]] StandingPose standing_pose(const StartValues& values, const simulation::NamedModel& model,
                                          const std::string& origin);
