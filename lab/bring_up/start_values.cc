@@ -224,10 +224,10 @@ void fit(RobotParameters& parameters, const BodyMeasures& body, const robot::Rob
 
 // --- Motions
 
-// The angles of the first pose, by the names of the joints, in degrees.
-std::vector<std::pair<std::string, double>> compiled_angles(const std::string& text,
+// The angles of the first pose of the motion `name`, by the names of the joints, in degrees.
+std::vector<std::pair<std::string, double>> compiled_angles(const std::string& name, const std::string& text,
                                                             const simulation::NamedModel& model) {
-  const simulation::MotionFile file = simulation::read_motion_text("stand.yaml", text);
+  const simulation::MotionFile file = simulation::read_motion_text(name + ".yaml", text);
   simulation::Diagnostics diagnostics(file.path, file.text);
   const simulation::MotionSource motion = simulation::parse_motion(file, model, diagnostics);
   static_cast<void>(simulation::compile_motion(motion, model, diagnostics));
@@ -270,17 +270,70 @@ std::string pose_text(const std::string& name, const std::string& from, double c
 // Throws MotionError, that of the shallowest squat, if there is none.
 template <typename TextOfDepth>
 std::string deepest_squat(const TextOfDepth& text_of, const simulation::NamedModel& model) {
-  constexpr std::array<double, 4> kDepths{0.85, 0.88, 0.91, 0.94};  // of the CoM's height
+  constexpr std::array<double, 5> kDepths{0.85, 0.88, 0.91, 0.94, 0.96};  // of the CoM's height
   for (const double depth : kDepths) {
     std::string text = text_of(depth);
     try {
-      static_cast<void>(compiled_angles(text, model));
+      static_cast<void>(compiled_angles("squat", text, model));
       return text;
     } catch (const simulation::MotionError&) {
       if (depth == kDepths.back()) throw;
     }
   }
   return {};
+}
+
+// Returns the text of the shift that goes farthest over each foot: hips of some robots hardly turn inwards,
+// and the centre of mass then stays on the inner part of the sole, of which `half_sole_m` is the width.
+// Throws MotionError, that of the shift to the middle of the sole, if there is none.
+template <typename TextOfShift>
+std::string farthest_shift(const TextOfShift& text_of, double half_sole_m,
+                           const simulation::NamedModel& model) {
+  constexpr std::array<double, 4> kInward{0.0, 0.15, 0.3, 0.45};  // of the half sole
+  for (const double inward : kInward) {
+    std::string text = text_of(inward * half_sole_m);
+    try {
+      static_cast<void>(compiled_angles("shift", text, model));
+      return text;
+    } catch (const simulation::MotionError&) {
+    }
+  }
+  static_cast<void>(compiled_angles("shift", text_of(0.0), model));
+  return {};
+}
+
+// Sets a CoM height and what follows from it.
+void set_com_height(StartValues& values, const BodyMeasures& body, double height_m) {
+  values.com_height_m = height_m;
+  values.com_lowered_m = body.com_m - height_m;
+  values.leg_use = (body.limb_m - values.com_lowered_m) / body.limb_m;
+}
+
+// Narrows the steps, and then straightens the legs, until they reach the standing pose, its squat and the
+// shifts of the weight: hips that are far apart do not reach as far to the side as those of the reference,
+// ankles of some robots bend little, and heavy legs bend more for the same CoM height. Values of which none
+// is reached stay as they are.
+void fit_stance(StartValues& values, const BodyMeasures& body, const simulation::NamedModel& model) {
+  constexpr std::array<double, 5> kNarrower{1.0, 0.9, 0.8, 0.7, 0.6};
+  constexpr std::array<double, 5> kLowered{1.0, 0.85, 0.7, 0.55, 0.4};
+  const StartValues unfitted = values;
+  const double least_m = values.value("narrowest_step_mm") / kMmPerM;
+  for (const double lowered : kLowered) {
+    for (const double narrower : kNarrower) {
+      values = unfitted;
+      values.step_width_m = std::max(narrower * unfitted.step_width_m, least_m);
+      if (lowered < 1.0) set_com_height(values, body, body.com_m - lowered * unfitted.com_lowered_m);
+      try {
+        static_cast<void>(standing_pose(values, model, "A trial"));
+      } catch (const InputError&) {
+        continue;
+      }
+      if (narrower < 1.0) set(values.parameters, "step_width_mm", kMmPerM * values.step_width_m);
+      if (lowered < 1.0) set(values.parameters, "com_height_mm", kMmPerM * values.com_height_m);
+      return;
+    }
+  }
+  values = unfitted;
 }
 
 }  // namespace
@@ -385,12 +438,11 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
   }
   if (double* pitch = find(parameters, "trunk_pitch_deg")) *pitch += factors.trunk_pitch_deg;
   fit(parameters, body, model.model);
-  values.com_height_m = *find(parameters, "com_height_mm") / kMmPerM;
+  set_com_height(values, body, *find(parameters, "com_height_mm") / kMmPerM);
   values.step_width_m = *find(parameters, "step_width_mm") / kMmPerM;
   values.com_forward_m = body.sole_middle_m;
   values.leg_m = body.leg_m;
-  values.com_lowered_m = body.com_m - values.com_height_m;
-  values.leg_use = (body.limb_m - values.com_lowered_m) / body.limb_m;
+  values.sole_width_m = body.sole_width_m;
   if (values.leg_use > kMostLegUse || values.leg_use < kLeastLegUse)
     throw InputError(
         parameters.file, 0,
@@ -399,6 +451,7 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
                     kMmPerM * values.leg_use * body.limb_m),
         fmt::format("{:.0f} to {:.0f} mm", kMmPerM * (body.com_m - (1 - kLeastLegUse) * body.limb_m),
                     kMmPerM * (body.com_m - (1 - kMostLegUse) * body.limb_m)));
+  fit_stance(values, body, model);
   return values;
 }
 
@@ -424,6 +477,7 @@ StandingPose standing_pose(const StartValues& values, const simulation::NamedMod
   const std::string hanging = hanging_text(model);
   constexpr int kMostChanges = 20;
   double height_m = values.com_height_m;
+  std::string first_error;
   for (int change = 0;; ++change, height_m *= 0.98) {
     const std::string pose =
         pose_text("stand", "hanging", values.com_forward_m, height_m, values.step_width_m) + hanging;
@@ -435,7 +489,7 @@ StandingPose standing_pose(const StartValues& values, const simulation::NamedMod
                             .joints_text = {},
                             .joints_deg = {},
                             .step_s = step_s};
-      standing.joints_deg = compiled_angles(standing.stand_text, model);
+      standing.joints_deg = compiled_angles("stand", standing.stand_text, model);
       for (const auto& [joint, angle_deg] : standing.joints_deg)
         standing.joints_text +=
             fmt::format("{}{}: {:.2f}", standing.joints_text.empty() ? "" : ", ", joint, angle_deg);
@@ -450,22 +504,28 @@ StandingPose standing_pose(const StartValues& values, const simulation::NamedMod
                        time);
           },
           model);
-      standing.shift_text =
-          motion_head(values, "shift", origin) + pose +
-          fmt::format(
-              "  over_left: {{from: stand, support: left, com: {{y_mm: 0}}, right_foot: {{z_mm: {1:.1f}}}}}\n"
-              "  over_right: {{from: stand, support: right, com: {{y_mm: 0}}, left_foot: {{z_mm: "
-              "{1:.1f}}}}}\n"
-              "steps:\n  - {{pose: stand, time_s: {0}}}\n"
-              "  - {{pose: over_left, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
-              "  - {{pose: over_right, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
-              "  - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
-              time, kMmPerM * kFreeFoot * values.leg_m);
-      static_cast<void>(compiled_angles(standing.shift_text, model));
+      standing.shift_text = farthest_shift(
+          [&](double inward_m) {
+            return motion_head(values, "shift", origin) + pose +
+                   fmt::format(
+                       "  over_left: {{from: stand, support: left, com: {{y_mm: {2:.1f}}}, right_foot: "
+                       "{{z_mm: {1:.1f}}}}}\n"
+                       "  over_right: {{from: stand, support: right, com: {{y_mm: {3:.1f}}}, left_foot: "
+                       "{{z_mm: {1:.1f}}}}}\n"
+                       "steps:\n  - {{pose: stand, time_s: {0}}}\n"
+                       "  - {{pose: over_left, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
+                       "  - {{pose: over_right, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
+                       "  - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
+                       time, kMmPerM * kFreeFoot * values.leg_m, 0.0 - kMmPerM * inward_m,
+                       kMmPerM * inward_m);
+          },
+          0.5 * values.sole_width_m, model);
       return standing;
     } catch (const simulation::MotionError& error) {
+      // What keeps the robot from its own height, not from the lowest one.
+      if (change == 0) first_error = one_line(error.what());
       if (change == kMostChanges)
-        throw InputError("stand.yaml", 0, one_line(error.what()), "a standing pose that the legs reach");
+        throw InputError("stand.yaml", 0, first_error, "a standing pose that the legs reach");
     }
   }
 }

@@ -34,7 +34,8 @@ struct BodyMeasures {
 // Parameters and the standing pose for a robot that nobody has tuned: those of a robot that walks, scaled by
 // dynamic similarity (R. McN. Alexander, "Estimates of speeds of dinosaurs", 1976: equal Froude numbers) and
 // fitted to the reach of the legs.
-//   lengths        by the leg's length, the step's width by the distance of the feet
+//   lengths        by the leg's length, the step's width by the distance of the feet, and less where the legs
+//                  do not reach a pose on one foot
 //   CoM height     that of straight legs less what the reference's bend lowers it, by the distance from hip
 //                  to ankle: knees bend alike, however long or heavy the trunk is
 //   times, speeds  by the square root of the leg's length
@@ -48,6 +49,7 @@ struct StartValues {
   double com_forward_m = 0.0;  // of the standing pose, in front of the ankles
   double time_scale = 1.0;     // of the reference's times
   double leg_m = 0.0;          // BodyMeasures::leg_m
+  double sole_width_m = 0.0;   // BodyMeasures::sole_width_m
   double com_lowered_m = 0.0;  // CoM height of straight legs less `com_height_m`
   double leg_use = 1.0;        // distance from hip to ankle, as a share of that of straight legs
 
@@ -70,9 +72,9 @@ struct StartFactors {
                                         const StartFactors& factors = {});
 
 // The texts of parameters.yaml and of the motions `stand`, `squat` and `shift`, which compile for this robot.
-// `shift` moves the centre of mass over the left foot, then over the right one, lets the other foot hang just
-// above the ground, and holds each for a second.
-// `origin` is named in their first lines. Throws InputError if the legs do not reach a pose.
+// `shift` moves the centre of mass over the left foot, then over the right one, as far as the hips permit,
+// lets the other foot hang just above the ground, and holds each for a second. `origin` is named in their
+// first lines. Throws InputError if the legs do not reach a pose.
 [[nodiscard]] std::string parameters_text(const StartValues& values, const std::string& origin);
 struct StandingPose {
   std::string stand_text;

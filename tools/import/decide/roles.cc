@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -69,11 +71,15 @@ void remove_shared(std::vector<Chain>& chains, const ImportedRobot& robot, const
   std::erase_if(chains, [](const Chain& chain) { return chain.joints.empty(); });
 }
 
-// Returns the axis, x, y or z, about which a joint turns most.
-char main_axis(const ImportedRobot& robot, const std::vector<Eigen::Isometry3d>& X_RL,
-               const Eigen::Matrix3d& R_MR, std::size_t joint) {
+// Returns the axis of a joint in M.
+Vector3d axis_in_model(const ImportedRobot& robot, const std::vector<Eigen::Isometry3d>& X_RL,
+                       const Eigen::Matrix3d& R_MR, std::size_t joint) {
   const ImportedJoint& described = robot.joints[joint];
-  const Vector3d axis_M = R_MR * X_RL[static_cast<std::size_t>(described.child)].linear() * described.axis_L;
+  return R_MR * X_RL[static_cast<std::size_t>(described.child)].linear() * described.axis_L;
+}
+
+// Returns the axis, x, y or z, about which a joint turns most.
+char main_axis(const Vector3d& axis_M) {
   int index = 0;
   axis_M.cwiseAbs().maxCoeff(&index);
   return static_cast<char>('x' + index);
@@ -87,7 +93,7 @@ class RoleFinder {
   std::map<std::string, std::string> find() {
     std::vector<Chain> chains = chains_of(robot_, R_MR_);
     // A gripper's fingers share a wrist: the longest chain below a joint is the limb.
-    keep_one_chain_per_limb(chains);
+    keep_one_chain_per_limb(chains, middle_of(chains));
     remove_shared(chains, robot_, R_MR_);
     if (chains.size() < 2) return {};
     const double middle_y = middle_of(chains);
@@ -98,19 +104,21 @@ class RoleFinder {
   }
 
  private:
-  void keep_one_chain_per_limb(std::vector<Chain>& chains) const {
+  static constexpr double kMiddle_m = 0.02;  // to either side of the mid-plane
+
+  void keep_one_chain_per_limb(std::vector<Chain>& chains, double middle_y) const {
     std::ranges::stable_sort(
         chains, [](const Chain& a, const Chain& b) { return a.joints.size() > b.joints.size(); });
     std::vector<Chain> kept;
     for (const Chain& chain : chains) {
-      // Chains that part after two or more joints are one limb, unless the first joints are a waist, whose
-      // limbs part to the sides.
-      const bool is_branch = std::ranges::any_of(kept, [&chain](const Chain& other) {
+      // Chains that part after three or more joints are one limb, unless they part in the mid-plane: the
+      // first joints then are a waist, whose limbs part to the sides.
+      const bool is_branch = std::ranges::any_of(kept, [&](const Chain& other) {
         std::size_t shared = 0;
         while (shared < std::min(chain.joints.size(), other.joints.size()) &&
                chain.joints[shared] == other.joints[shared])
           ++shared;
-        return shared >= 3;
+        return shared >= 3 && std::abs(anchor(chain.joints[shared - 1]).y() - middle_y) > kMiddle_m;
       });
       if (!is_branch) kept.push_back(chain);
     }
@@ -150,7 +158,6 @@ class RoleFinder {
   }
 
   void name_head(const std::vector<Chain>& chains, double middle_y) {
-    constexpr double kMiddle_m = 0.02;
     for (const Chain& chain : chains) {
       if (std::abs(chain.first.y() - middle_y) > kMiddle_m) continue;
       name_limb(chain, "", kHeadRoles);
@@ -162,12 +169,14 @@ class RoleFinder {
   // order.
   template <std::size_t kCount>
   void name_limb(const Chain& chain, const std::string& side, const std::array<RoleJoint, kCount>& roles) {
+    std::vector<std::size_t> joints = chain.joints;
+    if (joints.size() >= kCount) order_by_role(joints, roles);
     std::size_t next = 0;
-    for (std::size_t i = 0; i < chain.joints.size() && next < kCount; ++i) {
-      const ImportedJoint& joint = robot_.joints[chain.joints[i]];
-      const char axis = main_axis(robot_, X_RL_, R_MR_, chain.joints[i]);
+    for (std::size_t i = 0; i < joints.size() && next < kCount; ++i) {
+      const ImportedJoint& joint = robot_.joints[joints[i]];
+      const char axis = main_axis(axis_of_joint(joints[i]));
       std::size_t role = next;
-      if (chain.joints.size() < kCount)
+      if (joints.size() < kCount)
         while (role < kCount && roles[role].axis != axis) ++role;
       if (role == kCount) continue;
       roles_[side + std::string(roles[role].name)] = joint.name;
@@ -178,6 +187,70 @@ class RoleFinder {
       next = role + 1;
     }
   }
+
+  // Legs have their three hip joints first, in any order, then the knee, then the two of the ankle in any
+  // order. An arm that is longer than its roles has joints that twist it, which are no elbows.
+  template <std::size_t kCount>
+  void order_by_role(std::vector<std::size_t>& joints, const std::array<RoleJoint, kCount>& roles) const {
+    if constexpr (kCount == kLegRoles.size()) {
+      order_by_axis(std::span(joints).first(3), std::span(roles).first(3));
+      order_by_axis(std::span(joints).subspan(4, 2), std::span(roles).subspan(4, 2));
+    } else if constexpr (kCount == kArmRoles.size()) {
+      const auto elbow = std::find_if_not(joints.begin() + 2, joints.end(),
+                                          [this](std::size_t joint) { return twists(joint); });
+      if (elbow != joints.end()) std::iter_swap(joints.begin() + 2, elbow);
+    }
+  }
+
+  // Puts joints into the order of the roles whose axes they turn about most. The order from the trunk
+  // outwards stays where another one is hardly better: an axis may stand between two of the base.
+  void order_by_axis(std::span<std::size_t> joints, std::span<const RoleJoint> roles) const {
+    constexpr double kBetter = 0.1;
+    std::vector<std::size_t> places(joints.size());
+    std::iota(places.begin(), places.end(), std::size_t{0});
+    const auto agreement = [&] {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < places.size(); ++i)
+        sum += std::abs(axis_of_joint(joints[places[i]])[roles[i].axis - 'x']);
+      return sum;
+    };
+    std::vector<std::size_t> best = places;
+    double highest = agreement();
+    while (std::ranges::next_permutation(places).found) {
+      if (agreement() < highest + kBetter) continue;
+      highest = agreement();
+      best = places;
+    }
+    std::vector<std::size_t> ordered;
+    for (const std::size_t place : best) ordered.push_back(joints[place]);
+    std::ranges::copy(ordered, joints.begin());
+  }
+
+  // Whether a joint turns about the line to the centre of what it carries.
+  bool twists(std::size_t joint) const {
+    constexpr double kAlong = 0.8;
+    double mass_kg = 0.0;
+    Vector3d moment = Vector3d::Zero();
+    for (std::size_t link = 0; link < robot_.links.size(); ++link) {
+      if (!carries(joint, static_cast<int>(link))) continue;
+      const double share_kg = std::max(robot_.links[link].mass_kg, 1e-9);
+      mass_kg += share_kg;
+      moment += share_kg * (R_MR_ * (X_RL_[link] * robot_.links[link].p_LCom_L));
+    }
+    const Vector3d along = moment / mass_kg - anchor(joint);
+    return std::abs(axis_of_joint(joint).dot(along)) > kAlong * along.norm();
+  }
+  bool carries(std::size_t joint, int link) const {
+    for (int at = joint_of(robot_, link); at >= 0;
+         at = joint_of(robot_, robot_.joints[static_cast<std::size_t>(at)].parent))
+      if (static_cast<std::size_t>(at) == joint) return true;
+    return false;
+  }
+
+  Vector3d anchor(std::size_t joint) const {
+    return R_MR_ * X_RL_[static_cast<std::size_t>(robot_.joints[joint].child)].translation();
+  }
+  Vector3d axis_of_joint(std::size_t joint) const { return axis_in_model(robot_, X_RL_, R_MR_, joint); }
 
   const ImportedRobot& robot_;
   const Eigen::Matrix3d& R_MR_;
@@ -192,6 +265,7 @@ Eigen::Matrix3d decide_axes(const ImportedRobot& robot, Interview& interview) {
   // The two chains with the most joints are the legs of most robots, and hang down from their first joint:
   // the root may be a place on the ground.
   std::vector<Chain> chains = chains_of(robot, Eigen::Matrix3d::Identity());
+  remove_shared(chains, robot, Eigen::Matrix3d::Identity());
   std::ranges::stable_sort(chains, [](const Chain& a, const Chain& b) {
     return std::pair(a.joints.size(), a.length().norm()) > std::pair(b.joints.size(), b.length().norm());
   });
@@ -199,7 +273,11 @@ Eigen::Matrix3d decide_axes(const ImportedRobot& robot, Interview& interview) {
   for (std::size_t i = 0; i < std::min<std::size_t>(2, chains.size()); ++i) down += chains[i].length();
   int index = 2;
   std::string up = "z";
-  if (down.norm() > 0.0 && down.cwiseAbs().maxCoeff(&index) > 0.0)
+  // Arms that stand out to both sides cancel each other, and say nothing.
+  constexpr double kClear = 0.3;
+  double longest_m = 0.0;
+  if (!chains.empty()) longest_m = chains.front().length().norm();
+  if (longest_m > 0.0 && down.cwiseAbs().maxCoeff(&index) > kClear * longest_m)
     up = std::string(down[index] > 0.0 ? "-" : "") + static_cast<char>('x' + index);
   up = interview.answer({"up", "Which axis of the source points up?", up, kAxisNames});
   const std::string forward = interview.answer(

@@ -12,6 +12,7 @@
 #include "tools/import/decide/roles.h"
 #include "tools/import/mesh/surfaces.h"
 #include "tools/import/normalise/align.h"
+#include "tools/import/normalise/linkages.h"
 #include "tools/import/normalise/lock_joints.h"
 #include "tools/import/normalise/merge_links.h"
 #include "tools/import/normalise/repair_links.h"
@@ -67,6 +68,7 @@ ImportResult import_robot(const ImportOptions& options) {
   ImportedRobot source = read_foreign_robot(options.file, report);
   load_surfaces(source, MeshPaths(options.file, options.paths), report);
   repair_links(source, interview, report);
+  move_actuators(source, report);
   lock_undriven_joints(source, interview, report);
   ImportedRobot robot = merge_fixed_links(source);
 

@@ -169,7 +169,7 @@ TEST(MjcfReader, ReadsBodiesAndJoints) {
 #else
 TEST(MjcfReader, IsNotInThisBuild) {
   ImportReport report;
-  EXPECT_THROW(static_cast<void>(read_mjcf("m.xml", report)), InputError);
+  EXPECT_THROW(static_cast<void>(read_mjcf("m.xml", "", report)), InputError);
 }
 #endif
 
