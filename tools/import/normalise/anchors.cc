@@ -91,15 +91,20 @@ class Aligner {
       const auto right = find(mirrored_name(name));
       if (!right) continue;
       const Vector3d image(point(*right).x(), -point(*right).y(), point(*right).z());
-      const double miss_m = (point(*left) - image).norm();
+      // Along the hinge both anchors may be anywhere: a bracket that is the same part on both sides has its
+      // horn in front on one of them.
+      const Vector3d miss = point(*left) - image;
+      const Vector3d& axis = anchors_.axes[*left];
+      const double along_m = miss.dot(axis);
+      const double miss_m = (miss - along_m * axis).norm();
       if (miss_m > max_miss_m_) {
         report_.warnings.push_back(fmt::format("{} and {}: anchors {:.2f} mm from mirror images", name,
                                                anchors_.names[*right], kMmPerM * miss_m));
         continue;
       }
-      if (miss_m > kRounding_m)
+      if (miss.norm() > kRounding_m)
         report_.normalised.push_back(fmt::format("{} and {}: anchors made mirror images, {:.3g} mm apart",
-                                                 name, anchors_.names[*right], kMmPerM * miss_m));
+                                                 name, anchors_.names[*right], kMmPerM * miss.norm()));
       point(*left) = 0.5 * (point(*left) + image);
       round(*left);
       point(*right) = {point(*left).x(), -point(*left).y(), point(*left).z()};

@@ -109,6 +109,7 @@ class Linkages {
     to.has_actuator = true;
     to.mimics.clear();
     to.reduction = from.reduction * reduction;
+    to.has_stage = from.reduction == 1.0;
     to.rotor_inertia_kg_m2 = from.rotor_inertia_kg_m2 * reduction * reduction;
     to.coulomb_friction_Nm += from.coulomb_friction_Nm * reduction;
     if (to.effort_Nm <= 0.0) to.effort_Nm = from.effort_Nm * reduction;

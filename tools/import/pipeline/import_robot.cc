@@ -63,7 +63,7 @@ ImportResult import_robot(const ImportOptions& options) {
   ImportReport& report = result.report;
   Interview interview(options.decisions, options.ask, options.decisions_source);
   if (auto exported = import_exported(options, interview, report)) return std::move(*exported);
-  const ServoCatalogue catalogue(options.servo_folder);
+  ServoCatalogue catalogue(options.servo_folder);
 
   ImportedRobot source = read_foreign_robot(options.file, report);
   load_surfaces(source, MeshPaths(options.file, options.paths), report);

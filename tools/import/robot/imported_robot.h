@@ -74,6 +74,8 @@ struct ImportedJoint {
   double mimic_ratio = 1.0;          // of this joint's angle to that one's
   bool has_actuator = false;         // a <transmission>, or an actuator of MJCF
   double reduction = 1.0;            // of the <transmission>, > 0
+  bool has_stage = false;            // `reduction` is that of gears that the file shows, behind the servo
+  std::string servo{};               // its type, as decided
   // The drive measures the joint angle of the source: shaft = sign * angle + zero.
   int drive_sign = 1;
   double drive_zero_rad = 0.0;
