@@ -254,9 +254,11 @@ class MjcfReader {
       if (!shape) continue;
       shape->X_LG = X_LB * pose_at(model_.geom_pos, model_.geom_quat, geom);
       const bool makes_contacts = model_.geom_contype[geom] != 0 || model_.geom_conaffinity[geom] != 0;
-      if (makes_contacts) link.collisions.push_back(*shape);
       constexpr int kFirstHiddenGroup = 3;  // viewers show the groups 0 to 2
-      if (model_.geom_group[geom] < kFirstHiddenGroup) link.visuals.push_back(std::move(*shape));
+      const bool is_shown = model_.geom_group[geom] < kFirstHiddenGroup;
+      // Models that list the pairs that may touch switch off all others; what is not shown is there to touch.
+      if (makes_contacts || !is_shown) link.collisions.push_back(*shape);
+      if (is_shown) link.visuals.push_back(std::move(*shape));
     }
   }
 
