@@ -240,10 +240,10 @@ void fit(RobotParameters& parameters, const BodyMeasures& body, const robot::Rob
 
 // --- Motions
 
-// The angles of the first pose, by the names of the joints, in degrees.
-std::vector<std::pair<std::string, double>> compiled_angles(const std::string& text,
+// The angles of the first pose of the motion `name`, by the names of the joints, in degrees.
+std::vector<std::pair<std::string, double>> compiled_angles(const std::string& name, const std::string& text,
                                                             const simulation::NamedModel& model) {
-  const simulation::MotionFile file = simulation::read_motion_text("stand.yaml", text);
+  const simulation::MotionFile file = simulation::read_motion_text(name + ".yaml", text);
   simulation::Diagnostics diagnostics(file.path, file.text);
   const simulation::MotionSource motion = simulation::parse_motion(file, model, diagnostics);
   static_cast<void>(simulation::compile_motion(motion, model, diagnostics));
@@ -286,11 +286,11 @@ std::string pose_text(const std::string& name, const std::string& from, double c
 // Throws MotionError, that of the shallowest squat, if there is none.
 template <typename TextOfDepth>
 std::string deepest_squat(const TextOfDepth& text_of, const simulation::NamedModel& model) {
-  constexpr std::array<double, 4> kDepths{0.85, 0.88, 0.91, 0.94};  // of the CoM's height
+  constexpr std::array<double, 5> kDepths{0.85, 0.88, 0.91, 0.94, 0.96};  // of the CoM's height
   for (const double depth : kDepths) {
     std::string text = text_of(depth);
     try {
-      static_cast<void>(compiled_angles(text, model));
+      static_cast<void>(compiled_angles("squat", text, model));
       return text;
     } catch (const simulation::MotionError&) {
       if (depth == kDepths.back()) throw;
@@ -299,60 +299,23 @@ std::string deepest_squat(const TextOfDepth& text_of, const simulation::NamedMod
   return {};
 }
 
-std::string standing_pose_text(const StartValues& values, const simulation::NamedModel& model,
-                               double height_m) {
-  return pose_text("stand", "hanging", values.com_forward_m, height_m, values.step_width_m) +
-         hanging_text(model);
-}
-
-// Returns the text of the motion that shifts the weight from the standing pose `pose` the farthest that the
-// legs reach: hips of some robots do not turn inward far enough for the middle of a sole. Throws MotionError,
-// that of the shortest shift.
-std::string farthest_shift(const StartValues& values, const std::string& pose, const std::string& time,
-                           const simulation::NamedModel& model, const std::string& origin) {
-  constexpr std::array<double, 4> kInsets{0.0, 0.15, 0.3, 0.45};  // of half of the sole's width
-  for (const double inset : kInsets) {
-    const double inset_m = inset * 0.5 * values.sole_width_m;
-    const auto over = [&](const char* side, const char* other, double com_y_m) {
-      return fmt::format(
-          "  over_{0}: {{from: stand, support: {0}, com: {{y_mm: {1:.4g}}}, {2}_foot: {{z_mm: {3:.1f}}}}}\n",
-          side, kMmPerM * com_y_m, other, kMmPerM * kFreeFoot * values.leg_m);
-    };
-    std::string text = motion_head(values, "shift", origin) + pose + over("left", "right", 0.0 - inset_m) +
-                       over("right", "left", inset_m) +
-                       fmt::format(
-                           "steps:\n  - {{pose: stand, time_s: {0}}}\n"
-                           "  - {{pose: over_left, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
-                           "  - {{pose: over_right, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
-                           "  - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
-                           time);
+// Returns the text of the shift that goes farthest over each foot: hips of some robots hardly turn inwards,
+// and the centre of mass then stays on the inner part of the sole, of which `half_sole_m` is the width.
+// Throws MotionError, that of the shift to the middle of the sole, if there is none.
+template <typename TextOfShift>
+std::string farthest_shift(const TextOfShift& text_of, double half_sole_m,
+                           const simulation::NamedModel& model) {
+  constexpr std::array<double, 4> kInward{0.0, 0.15, 0.3, 0.45};  // of the half sole
+  for (const double inward : kInward) {
+    std::string text = text_of(inward * half_sole_m);
     try {
-      static_cast<void>(compiled_angles(text, model));
+      static_cast<void>(compiled_angles("shift", text, model));
       return text;
     } catch (const simulation::MotionError&) {
-      if (inset == kInsets.back()) throw;
     }
   }
+  static_cast<void>(compiled_angles("shift", text_of(0.0), model));
   return {};
-}
-
-// Narrows the steps until the legs reach a shift of the weight over each foot; leaves them if no width will
-// do, so that standing_pose() names the cause.
-void narrow_to_reach(StartValues& values, const simulation::NamedModel& model) {
-  constexpr double kStep_m = 0.002;
-  const double wanted_m = values.step_width_m;
-  const double narrowest_m = values.value("narrowest_step_mm") / kMmPerM;
-  for (double width_m = wanted_m; width_m >= narrowest_m; width_m -= kStep_m) {
-    values.step_width_m = width_m;
-    try {
-      static_cast<void>(farthest_shift(values, standing_pose_text(values, model, values.com_height_m), "1",
-                                       model, "trial"));
-      if (width_m != wanted_m) set(values.parameters, "step_width_mm", kMmPerM * width_m);
-      return;
-    } catch (const simulation::MotionError&) {
-    }
-  }
-  values.step_width_m = wanted_m;
 }
 
 // Makes the standing pose at a height, and the motions from it.
@@ -367,7 +330,9 @@ class PoseMaker {
 
   // Throws MotionError for a pose that the legs do not reach; motions that they do not reach are `unreached`.
   StandingPose make(double height_m) const {
-    const std::string pose = standing_pose_text(values_, model_, height_m);
+    const std::string pose =
+        pose_text("stand", "hanging", values_.com_forward_m, height_m, values_.step_width_m) +
+        hanging_text(model_);
     StandingPose standing{.stand_text = motion_head(values_, "stand", origin_) + pose +
                                         "steps:\n  - {pose: stand, time_s: " + time_ + "}\n",
                           .squat_text = {},
@@ -376,7 +341,7 @@ class PoseMaker {
                           .joints_deg = {},
                           .step_s = step_s_,
                           .unreached = {}};
-    standing.joints_deg = compiled_angles(standing.stand_text, model_);
+    standing.joints_deg = compiled_angles("stand", standing.stand_text, model_);
     for (const auto& [joint, angle_deg] : standing.joints_deg)
       standing.joints_text +=
           fmt::format("{}{}: {:.2f}", standing.joints_text.empty() ? "" : ", ", joint, angle_deg);
@@ -388,8 +353,7 @@ class PoseMaker {
       }
     };
     attempt("squat", standing.squat_text, [&] { return squat_text(pose, height_m); });
-    attempt("shift", standing.shift_text,
-            [&] { return farthest_shift(values_, pose, time_, model_, origin_); });
+    attempt("shift", standing.shift_text, [&] { return shift_text(pose); });
     return standing;
   }
 
@@ -408,12 +372,65 @@ class PoseMaker {
         model_);
   }
 
+  std::string shift_text(const std::string& pose) const {
+    return farthest_shift(
+        [&](double inward_m) {
+          return motion_head(values_, "shift", origin_) + pose +
+                 fmt::format(
+                     "  over_left: {{from: stand, support: left, com: {{y_mm: {2:.1f}}}, right_foot: "
+                     "{{z_mm: {1:.1f}}}}}\n"
+                     "  over_right: {{from: stand, support: right, com: {{y_mm: {3:.1f}}}, left_foot: "
+                     "{{z_mm: {1:.1f}}}}}\n"
+                     "steps:\n  - {{pose: stand, time_s: {0}}}\n"
+                     "  - {{pose: over_left, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
+                     "  - {{pose: over_right, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
+                     "  - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
+                     time_, kMmPerM * kFreeFoot * values_.leg_m, 0.0 - kMmPerM * inward_m,
+                     kMmPerM * inward_m);
+        },
+        0.5 * values_.sole_width_m, model_);
+  }
+
   const StartValues& values_;
   const simulation::NamedModel& model_;
   const std::string& origin_;
   double step_s_;
   std::string time_;
 };
+
+// Sets a CoM height and what follows from it.
+void set_com_height(StartValues& values, const BodyMeasures& body, double height_m) {
+  values.com_height_m = height_m;
+  values.com_lowered_m = body.com_m - height_m;
+  values.leg_use = (body.limb_m - values.com_lowered_m) / body.limb_m;
+}
+
+// Narrows the steps, and then straightens the legs, until they reach the standing pose, its squat and the
+// shifts of the weight: hips that are far apart do not reach as far to the side as those of the reference,
+// ankles of some robots bend little, and heavy legs bend more for the same CoM height. Values of which none
+// is reached stay as they are.
+void fit_stance(StartValues& values, const BodyMeasures& body, const simulation::NamedModel& model) {
+  constexpr std::array<double, 5> kNarrower{1.0, 0.9, 0.8, 0.7, 0.6};
+  constexpr std::array<double, 5> kLowered{1.0, 0.85, 0.7, 0.55, 0.4};
+  const StartValues unfitted = values;
+  const double least_m = values.value("narrowest_step_mm") / kMmPerM;
+  for (const double lowered : kLowered) {
+    for (const double narrower : kNarrower) {
+      values = unfitted;
+      values.step_width_m = std::max(narrower * unfitted.step_width_m, least_m);
+      if (lowered < 1.0) set_com_height(values, body, body.com_m - lowered * unfitted.com_lowered_m);
+      try {
+        if (!standing_pose(values, model, "A trial").unreached.empty()) continue;
+      } catch (const InputError&) {
+        continue;
+      }
+      if (narrower < 1.0) set(values.parameters, "step_width_mm", kMmPerM * values.step_width_m);
+      if (lowered < 1.0) set(values.parameters, "com_height_mm", kMmPerM * values.com_height_m);
+      return;
+    }
+  }
+  values = unfitted;
+}
 
 }  // namespace
 
@@ -517,13 +534,11 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
   }
   if (double* pitch = find(parameters, "trunk_pitch_deg")) *pitch += factors.trunk_pitch_deg;
   fit(parameters, body, model.model);
-  values.com_height_m = *find(parameters, "com_height_mm") / kMmPerM;
+  set_com_height(values, body, *find(parameters, "com_height_mm") / kMmPerM);
   values.step_width_m = *find(parameters, "step_width_mm") / kMmPerM;
   values.com_forward_m = body.sole_middle_m;
   values.leg_m = body.leg_m;
   values.sole_width_m = body.sole_width_m;
-  values.com_lowered_m = body.com_m - values.com_height_m;
-  values.leg_use = (body.limb_m - values.com_lowered_m) / body.limb_m;
   if (values.leg_use > kMostLegUse || values.leg_use < kLeastLegUse)
     throw InputError(
         parameters.file, 0,
@@ -532,7 +547,7 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
                     kMmPerM * values.leg_use * body.limb_m),
         fmt::format("{:.0f} to {:.0f} mm", kMmPerM * (body.com_m - (1 - kLeastLegUse) * body.limb_m),
                     kMmPerM * (body.com_m - (1 - kMostLegUse) * body.limb_m)));
-  narrow_to_reach(values, model);
+  fit_stance(values, body, model);
   return values;
 }
 
@@ -553,16 +568,14 @@ std::string parameters_text(const StartValues& values, const std::string& origin
 
 StandingPose standing_pose(const StartValues& values, const simulation::NamedModel& model,
                            const std::string& origin) {
-  // Lower, then higher: ankles that bend little hold up a robot that others let down.
-  constexpr int kMostLower = 20;
-  constexpr int kMostChanges = kMostLower + 5;
-  std::string first_fault;  // the later ones are those of poses too low for the legs
+  constexpr int kMostChanges = 20;
+  // What keeps the robot from its own height, not from the lowest one.
+  std::string first_fault;
   for (const bool with_all : {true, false}) {
-    for (int change = 0; change <= kMostChanges; ++change) {
-      const double factor =
-          change <= kMostLower ? std::pow(0.98, change) : std::pow(1.01, change - kMostLower);
+    double height_m = values.com_height_m;
+    for (int change = 0; change <= kMostChanges; ++change, height_m *= 0.98) {
       try {
-        StandingPose standing = PoseMaker(values, model, origin).make(factor * values.com_height_m);
+        StandingPose standing = PoseMaker(values, model, origin).make(height_m);
         if (standing.unreached.empty() || !with_all) return standing;
         if (first_fault.empty()) first_fault = standing.unreached.begin()->second;
       } catch (const simulation::MotionError& error) {

@@ -35,7 +35,8 @@ struct BodyMeasures {
 // Parameters and the standing pose for a robot that nobody has tuned: those of a robot that walks, scaled by
 // dynamic similarity (R. McN. Alexander, "Estimates of speeds of dinosaurs", 1976: equal Froude numbers) and
 // fitted to the reach of the legs.
-//   lengths        by the leg's length, the step's width by the distance of the feet
+//   lengths        by the leg's length, the step's width by the distance of the feet, and less where the legs
+//                  do not reach a pose on one foot
 //   CoM height     that of straight legs less what the reference's bend lowers it, by the distance from hip
 //                  to ankle: knees bend alike, however long or heavy the trunk is
 //   times, speeds  by the square root of the leg's length
@@ -73,7 +74,7 @@ struct StartFactors {
                                         const StartFactors& factors = {});
 
 // The texts of parameters.yaml and of the motions `stand`, `squat` and `shift`, which compile for this robot.
-// `shift` moves the centre of mass over the left foot, then over the right one, or as far as the hips reach,
+// `shift` moves the centre of mass over the left foot, then over the right one, as far as the hips permit,
 // lets the other foot hang just above the ground, and holds each for a second. `origin` is named in their
 // first lines. Throws InputError if the legs do not reach the standing pose.
 [[nodiscard]] std::string parameters_text(const StartValues& values, const std::string& origin);

@@ -74,7 +74,7 @@ ImportedRobot read_foreign_robot(const std::filesystem::path& file, ImportReport
   } else if (root == "sdf") {
     robot = read_sdf(file, text, report);
   } else if (root == "mujoco") {
-    robot = read_mjcf(file, report);
+    robot = read_mjcf(file, text, report);
   } else {
     if (!text.empty())
       static_cast<void>(XmlDraft(file, text, XmlRule{.name = root}));  // names the line of a fault

@@ -68,7 +68,7 @@ TEST_F(PublicRobots, LegsHangLowestWhateverTheArmsDo) {
     for (const std::string link : {"d", "e", "f", "g"}) {
       kit.extra +=
           kit.link(side + link, 0.02, 0.02, 0.02, 0.02, 0.0) +
-          KitRobot::hinge("j_" + side + link, parent, side + link, "0.06 0 0", "0 0 0", "1 0 0", -1.0, 1.0);
+          kit.hinge("j_" + side + link, parent, side + link, "0.06 0 0", "0 0 0", "1 0 0", -1.0, 1.0);
       parent = side + link;
     }
   }
@@ -134,7 +134,7 @@ TEST_F(PublicRobots, ArmsPartAboveALongSpine) {
   for (int i = 1; i <= 4; ++i) {
     const std::string link = i == 4 ? "chest" : fmt::format("s{}", i);
     kit.extra += kit.link(link, 0.03, 0.03, 0.03, 0.01, 0.0) +
-                 KitRobot::hinge(fmt::format("j_s{}", i), parent, link, i == 1 ? "0 0 0.14" : "0 0 0.01",
+                 kit.hinge(fmt::format("j_s{}", i), parent, link, i == 1 ? "0 0 0.14" : "0 0 0.01",
                                  "0 0 0", i % 2 == 0 ? "1 0 0" : "0 1 0", -0.5, 0.5);
     parent = link;
   }
