@@ -95,12 +95,20 @@ std::optional<std::string> undriven(const ImportedJoint& joint, bool has_actuato
   return std::nullopt;
 }
 
+bool is_continuous(const ImportedJoint& joint) { return joint.kind == JointKind::kContinuous; }
+
+void set_range(ImportedJoint& joint, double range_deg, ImportReport& report) {
+  joint.upper_rad = kRadPerDegree * range_deg;
+  joint.lower_rad = -*joint.upper_rad;
+  report.normalised.push_back(fmt::format("line {}: joint {} without limits -> {:g} deg to either side",
+                                          joint.line, one_line(joint.name), range_deg));
+}
+
 }  // namespace
 
 void lock_undriven_joints(ImportedRobot& robot, Interview& interview, ImportReport& report) {
   const bool has_actuators = std::ranges::any_of(robot.joints, &ImportedJoint::has_actuator);
   const std::map<std::size_t, std::size_t> one_motor = joints_with_one_motor(robot, interview);
-  bool has_continuous = false;
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     ImportedJoint& joint = robot.joints[i];
     if (joint.kind == JointKind::kFixed) continue;
@@ -127,9 +135,12 @@ void lock_undriven_joints(ImportedRobot& robot, Interview& interview, ImportRepo
       lock(joint, *because, true, interview, report);
       continue;
     }
-    has_continuous = has_continuous || joint.kind == JointKind::kContinuous;
+    if (is_continuous(joint)) set_range(joint, kContinuous_deg, report);
   }
-  if (!has_continuous) return;
+}
+
+void limit_continuous_joints(ImportedRobot& robot, Interview& interview, ImportReport& report) {
+  if (std::ranges::none_of(robot.joints, &is_continuous)) return;
   const double range_deg =
       interview.number({"continuous_range_deg",
                         "How far may joints without limits turn to either side, in degrees?",
@@ -137,12 +148,9 @@ void lock_undriven_joints(ImportedRobot& robot, Interview& interview, ImportRepo
                         {}},
                        1.0, kContinuous_deg);
   for (ImportedJoint& joint : robot.joints) {
-    if (joint.kind != JointKind::kContinuous) continue;
+    if (!is_continuous(joint)) continue;
     joint.kind = JointKind::kHinge;
-    joint.upper_rad = kRadPerDegree * range_deg;
-    joint.lower_rad = -*joint.upper_rad;
-    report.normalised.push_back(fmt::format("line {}: joint {} without limits -> {:g} deg to either side",
-                                            joint.line, one_line(joint.name), range_deg));
+    if (range_deg != kContinuous_deg) set_range(joint, range_deg, report);
   }
 }
 

@@ -77,6 +77,7 @@ ImportResult import_robot(const ImportOptions& options) {
   lock_extra_joints(robot, interview, report);
   robot = merge_fixed_links(robot);
   if (robot.joints.empty()) throw InputError(options.file, 0, "a robot without driven hinges", "one or more");
+  limit_continuous_joints(robot, interview, report);
   repair_masses(robot, interview, report);
 
   const std::vector<double> zero_rad = decide_zero_pose(robot, R_MR, interview, report);
