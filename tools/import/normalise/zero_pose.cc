@@ -87,6 +87,18 @@ class Straightener {
     if (role->name == "ankle_pitch") level_sole(*joint, name, side);
   }
 
+  // Moves the angle of a joint into its range: elbows and knees of some robots end before they are straight.
+  void keep_within_range(const std::string& name) {
+    const auto index = static_cast<std::size_t>(*index_of(name));
+    const ImportedJoint& bounded = robot_.joints[index];
+    if (!bounded.lower_rad || !bounded.upper_rad) return;
+    constexpr double kInside_rad = 1e-6 * kRadPerDegree;  // more than the rounding of the file
+    const double lower_rad = *bounded.lower_rad + kInside_rad;
+    const double upper_rad = std::max(lower_rad, *bounded.upper_rad - kInside_rad);
+    const double further_rad = std::clamp(angles_rad_[index], lower_rad, upper_rad) - angles_rad_[index];
+    if (std::abs(further_rad) > 2.0 * kInside_rad) set_rounded(name, static_cast<int>(index), further_rad);
+  }
+
   std::optional<int> index_of(const std::string& name) const {
     const auto source = decisions_.joints.find(name);
     return source == decisions_.joints.end() ? std::nullopt : robot_.find_joint(source->second);
@@ -222,6 +234,7 @@ std::vector<double> decide_zero_pose(const ImportedRobot& robot, const Eigen::Ma
       straightener.set(name, kRadPerDegree * given->second);
     } else if (is_wanted) {
       straightener.straighten(name);
+      straightener.keep_within_range(name);
     }
     const double angle_deg = kDegreesPerRad * straightener.angles_rad()[static_cast<std::size_t>(*index)];
     if (angle_deg == 0.0) continue;

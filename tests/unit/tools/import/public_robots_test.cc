@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <regex>
 #include <string>
+#include <tuple>
 
 #include "base/text/error.h"
 #include "sim_board/description/load.h"
@@ -134,8 +135,8 @@ TEST_F(PublicRobots, ArmsPartAboveALongSpine) {
   for (int i = 1; i <= 4; ++i) {
     const std::string link = i == 4 ? "chest" : fmt::format("s{}", i);
     kit.extra += kit.link(link, 0.03, 0.03, 0.03, 0.01, 0.0) +
-                 kit.hinge(fmt::format("j_s{}", i), parent, link, i == 1 ? "0 0 0.14" : "0 0 0.01",
-                                 "0 0 0", i % 2 == 0 ? "1 0 0" : "0 1 0", -0.5, 0.5);
+                 kit.hinge(fmt::format("j_s{}", i), parent, link, i == 1 ? "0 0 0.14" : "0 0 0.01", "0 0 0",
+                           i % 2 == 0 ? "1 0 0" : "0 1 0", -0.5, 0.5);
     parent = link;
   }
   std::string text = kit.text();
@@ -148,6 +149,30 @@ TEST_F(PublicRobots, ArmsPartAboveALongSpine) {
   EXPECT_EQ(source_of(result, "head_pan"), "j_n");
   EXPECT_EQ(source_of(result, "left_hip_yaw"), "j_l1");
   EXPECT_EQ(load(result).joints.size(), 20U);
+}
+
+// Elbows that end 2 degrees before they are straight, and knees that always bend by 3: joint zero is where
+// the robot can be.
+TEST_F(PublicRobots, PutsJointZeroIntoTheRange) {
+  std::string text = KitRobot().text();
+  for (const std::string side : {"l", "r"}) {
+    for (const auto& [joint, lower, upper] :
+         {std::tuple{"c", "-2", "-0.035"}, std::tuple{"4", "0.052", "2"}}) {
+      const std::size_t at = text.find("<joint name=\"j_" + side + joint + "\"");
+      ASSERT_NE(at, std::string::npos);
+      const std::size_t begin = text.find("<limit", at);
+      text.replace(
+          begin, text.find("/>", begin) - begin,
+          fmt::format("<limit lower=\"{}\" upper=\"{}\" effort=\"10\" velocity=\"20\"", lower, upper));
+    }
+  }
+  const ImportResult result = import(text);
+  EXPECT_FALSE(has_line(result.report.warnings, "joint zero is outside of its range"));
+  const sim_board::RobotDescription robot = load(result);
+  for (const sim_board::JointDescription& joint : robot.joints) {
+    EXPECT_LE(joint.lower_rad, 0.0) << joint.name;
+    EXPECT_GE(joint.upper_rad, 0.0) << joint.name;
+  }
 }
 
 // Collision shapes on the feet alone: trunk and legs get boxes of what is seen of them.
