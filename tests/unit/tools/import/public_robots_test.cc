@@ -226,8 +226,8 @@ TEST_F(PublicRobots, NamesAServoThatHoldsTheHeight) {
     robot.links.push_back({.name = "trunk", .mass_kg = 3.1, .p_LCom_L = {0.0, 0.0, com_m}});
     return stiff_servo("mx_28", robot, catalogue);
   };
-  EXPECT_EQ(servo_for(0.2), "mx_28");
-  EXPECT_EQ(servo_for(0.27), "xm430_w350");
+  EXPECT_EQ(servo_for(0.15), "mx_28");
+  EXPECT_EQ(servo_for(0.25), "xm430_w350");
   EXPECT_EQ(servo_for(0.6), "mx_64_m6");
   EXPECT_EQ(servo_for(100.0), "mx_28");  // none of them would do
 }
