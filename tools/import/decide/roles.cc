@@ -170,13 +170,17 @@ class RoleFinder {
   template <std::size_t kCount>
   void name_limb(const Chain& chain, const std::string& side, const std::array<RoleJoint, kCount>& roles) {
     std::vector<std::size_t> joints = chain.joints;
-    if (joints.size() >= kCount) order_by_role(joints, roles);
+    // Of legs with five joints, some have no ankle roll, and others no hip yaw.
+    const bool lacks_last = kCount == kLegRoles.size() && joints.size() == kCount - 1 &&
+                            main_axis(axis_of_joint(joints.back())) == roles[kCount - 2].axis;
+    const bool is_by_place = joints.size() >= kCount || lacks_last;
+    if (is_by_place) order_by_role(joints, roles);
     std::size_t next = 0;
     for (std::size_t i = 0; i < joints.size() && next < kCount; ++i) {
       const ImportedJoint& joint = robot_.joints[joints[i]];
       const char axis = main_axis(axis_of_joint(joints[i]));
       std::size_t role = next;
-      if (joints.size() < kCount)
+      if (!is_by_place)
         while (role < kCount && roles[role].axis != axis) ++role;
       if (role == kCount) continue;
       roles_[side + std::string(roles[role].name)] = joint.name;
@@ -194,7 +198,8 @@ class RoleFinder {
   void order_by_role(std::vector<std::size_t>& joints, const std::array<RoleJoint, kCount>& roles) const {
     if constexpr (kCount == kLegRoles.size()) {
       order_by_axis(std::span(joints).first(3), std::span(roles).first(3));
-      order_by_axis(std::span(joints).subspan(4, 2), std::span(roles).subspan(4, 2));
+      if (joints.size() >= kCount)
+        order_by_axis(std::span(joints).subspan(4, 2), std::span(roles).subspan(4, 2));
     } else if constexpr (kCount == kArmRoles.size()) {
       const auto elbow = std::find_if_not(joints.begin() + 2, joints.end(),
                                           [this](std::size_t joint) { return twists(joint); });

@@ -90,11 +90,12 @@ struct KitRobot {
 
   std::string leg(const std::string& s, double side) const {
     const bool is_left = side > 0.0;
-    std::string urdf =
-        link(s + "1", is_left ? 0.08 : right_hip_mass_kg, 0.03, 0.03, 0.03, 0.0) +
-        link(s + "2", 0.08, 0.03, 0.03, 0.03, 0.0) + link(s + "3", 0.1, 0.03, 0.03, 0.06, -0.04) +
-        link(s + "4", 0.1, 0.03, 0.03, 0.06, -0.04) + link(s + "5", 0.08, 0.03, 0.03, 0.03, 0.0) +
-        link(s + "6", 0.08, 0.1, 0.05, 0.01, -0.035);
+    std::string urdf = link(s + "1", is_left ? 0.08 : right_hip_mass_kg, 0.03, 0.03, 0.03, 0.0) +
+                       link(s + "2", 0.08, 0.03, 0.03, 0.03, 0.0) +
+                       link(s + "3", 0.1, 0.03, 0.03, 0.06, -0.04) +
+                       link(s + "4", 0.1, 0.03, 0.03, 0.06, -0.04);
+    if (ankle_axes.size() > 1) urdf += link(s + "5", 0.08, 0.03, 0.03, 0.03, 0.0);
+    urdf += link(fmt::format("{}{}", s, 4 + ankle_axes.size()), 0.08, 0.1, 0.05, 0.01, -0.035);
     for (std::size_t i = 0; i < 3; ++i) {
       const std::string xyz = i == 0   ? fmt::format("0 {} {}", 0.04 * side, -0.03 + hip_yaw_slide_m)
                               : i == 1 ? fmt::format("0 0 {}", -hip_yaw_slide_m)
@@ -115,7 +116,7 @@ struct KitRobot {
     const int sign = is_left ? left_knee_sign : 1;
     urdf += hinge("j_" + s + "4", s + "3", s + "4", "0 0 -0.08", "0 0 0", pitch_axis(sign),
                   sign > 0 ? 0.0 : -2.0, sign > 0 ? 2.0 : 0.0);
-    for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t i = 0; i < ankle_axes.size(); ++i) {
       const bool is_pitch = ankle_axes[i] == 'y';
       urdf +=
           hinge(fmt::format("j_{}{}", s, i + 5), fmt::format("{}{}", s, i + 4), fmt::format("{}{}", s, i + 5),

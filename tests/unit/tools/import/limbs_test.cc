@@ -77,6 +77,21 @@ TEST_F(ImportLimbs, HipsAndAnklesHaveTheirJointsInAnyOrder) {
   EXPECT_TRUE(std::ranges::any_of(robot.links, [](const auto& link) { return link.name == "left_thigh"; }));
 }
 
+// Many robots have no ankle roll. They are imported, stand, and the firmware says what they lack.
+TEST_F(ImportLimbs, LegsWithoutAnkleRollHaveTheirNames) {
+  const ImportResult result = import({.hip_axes = "yxz", .ankle_axes = "y"});
+  EXPECT_EQ(source_of(result, "left_hip_pitch"), "j_l1");
+  EXPECT_EQ(source_of(result, "left_hip_roll"), "j_l2");
+  EXPECT_EQ(source_of(result, "left_hip_yaw"), "j_l3");
+  EXPECT_EQ(source_of(result, "right_ankle_pitch"), "j_r5");
+  write_import_folder(folder_ / "out", result.files);
+  const sim_board::RobotDescription robot = sim_board::load_robot(folder_ / "out/robot.sdf");
+  EXPECT_TRUE(simulation::find_model_errors(robot).empty());
+  EXPECT_TRUE(robot.left_ankle);
+  EXPECT_TRUE(sim_board::feet_of(robot)[0]);
+  EXPECT_FALSE(robot::can_walk(simulation::load_named_model(robot).model));
+}
+
 // The roll axis decides where joint zero of the ankle is, unless it is inclined to the sole.
 TEST_F(ImportLimbs, AnInclinedAnkleLeavesTheSoleLevel) {
   const double incline_rad = 10.0 * kRadPerDegree;
