@@ -266,6 +266,38 @@ class RoleFinder {
 
 }  // namespace
 
+namespace {
+
+// Forward is across the line between the legs: the axis x (REP-103), unless the legs are beside each other
+// along it. Its direction then is that in which the feet are longer.
+std::string usual_forward(const ImportedRobot& robot, const std::vector<Chain>& chains,
+                          const std::string& up) {
+  const std::string usual = up.back() == 'x' ? "y" : "x";
+  const Vector3d z = axis_of(up);
+  std::vector<const Chain*> lowest;
+  for (const Chain& chain : chains) lowest.push_back(&chain);
+  std::ranges::stable_sort(lowest,
+                           [&](const Chain* a, const Chain* b) { return a->last.dot(z) < b->last.dot(z); });
+  if (lowest.size() < 2) return usual;
+  const Vector3d between = lowest[0]->first - lowest[1]->first;
+  const Vector3d beside = between - z * z.dot(between);
+  int across = 0;
+  beside.cwiseAbs().maxCoeff(&across);
+  if (beside.norm() < 0.01 || across != usual.back() - 'x') return usual;
+  const int index = 3 - across - (up.back() - 'x');
+  const std::vector<Eigen::Isometry3d> X_RL = link_poses(robot);
+  double ahead_m = 0.0;
+  for (const std::size_t leg : {0U, 1U}) {
+    const auto foot = static_cast<std::size_t>(robot.joints[lowest[leg]->joints.back()].child);
+    const Eigen::AlignedBox3d extent = extent_of(robot.links[foot]);
+    if (extent.isEmpty()) continue;
+    ahead_m += (X_RL[foot] * extent.center() - X_RL[foot].translation())[index];
+  }
+  return std::string(ahead_m < 0.0 ? "-" : "") + static_cast<char>('x' + index);
+}
+
+}  // namespace
+
 Eigen::Matrix3d decide_axes(const ImportedRobot& robot, Interview& interview) {
   // The two chains with the most joints are the legs of most robots, and hang down from their first joint:
   // the root may be a place on the ground.
@@ -286,7 +318,7 @@ Eigen::Matrix3d decide_axes(const ImportedRobot& robot, Interview& interview) {
     up = std::string(down[index] > 0.0 ? "-" : "") + static_cast<char>('x' + index);
   up = interview.answer({"up", "Which axis of the source points up?", up, kAxisNames});
   const std::string forward = interview.answer(
-      {"forward", "Which axis of the source points forward?", up.back() == 'x' ? "y" : "x", kAxisNames});
+      {"forward", "Which axis of the source points forward?", usual_forward(robot, chains, up), kAxisNames});
   const Vector3d z = axis_of(up);
   const Vector3d x = axis_of(forward);
   if (std::abs(x.dot(z)) > 0.5)
@@ -307,6 +339,11 @@ void decide_roles(const ImportedRobot& robot, const Eigen::Matrix3d& R_MR, Inter
     std::erase_if(roles, [&](const auto& entry) { return entry.second == source; });
     roles[name] = source;
   }
+  if (!roles.contains("left_knee") || !roles.contains("right_knee"))
+    report.warnings.push_back(
+        "no two legs found: import.md shows which axes were taken for up and forward, and joints in "
+        "import.yaml "
+        "names the firmware's joints");
   // Joints of one side only have no role: the firmware needs both.
   for (auto entry = roles.begin(); entry != roles.end();)
     entry = roles.contains(mirrored_name(entry->first)) ? std::next(entry) : roles.erase(entry);

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <string>
+#include <utility>
 
 #include "base/text/user_units.h"
 #include "firmware/robot/leg.h"
@@ -152,6 +154,18 @@ TEST_F(ImportLimbs, RobotsTooHeavyForServosOfKitsHaveDrivesAsStrongAsTheFileSays
     return line.find("left_knee: an effort of 1000 N m, which no such robot has") != std::string::npos;
   }));
   EXPECT_EQ(placeholder.files.at("robot.sdf").find("drive_1000"), std::string::npos);
+}
+
+// CAD leaves the robot looking anywhere; legs beside each other along x look along y, where the feet are
+// longer.
+TEST_F(ImportLimbs, LooksAcrossTheLineBetweenTheLegs) {
+  for (const auto& [turned_rad, forward] :
+       {std::pair{0.5 * std::numbers::pi, "y"}, {-0.5 * std::numbers::pi, "-y"}}) {
+    const ImportResult result = import({.turned_rad = turned_rad, .foot_ahead_m = 0.02});
+    EXPECT_NE(result.files.at("import.yaml").find(std::string("forward: ") + forward), std::string::npos);
+    EXPECT_EQ(source_of(result, "left_knee"), "j_l4");
+    EXPECT_GT(joint(load(result), "left_knee").upper_rad, 1.5);
+  }
 }
 
 // A bracket that is the same part on both sides has its anchor in front of the limb on one of them.
