@@ -7,6 +7,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -208,7 +209,8 @@ bool mend(RobotParameters& parameters, const std::string& refused, const BodyMea
   return false;
 }
 
-void fit(RobotParameters& parameters, const BodyMeasures& body, const robot::RobotModel& model) {
+// Changes the values that the robot's body refuses. Throws InputError for one that cannot be mended.
+void mend_all(RobotParameters& parameters, const BodyMeasures& body, const robot::RobotModel& model) {
   constexpr int kMostChanges = 200;
   for (int change = 0;; ++change) {
     try {
@@ -220,6 +222,27 @@ void fit(RobotParameters& parameters, const BodyMeasures& body, const robot::Rob
         throw;
     }
   }
+}
+
+// Shares of the way by which a CoM is lowered that are tried where the legs do not reach their poses or
+// steps: ankles of some robots bend little, and heavy legs bend more for the same CoM height.
+constexpr std::array<double, 5> kLoweredShares{1.0, 0.85, 0.7, 0.55, 0.4};
+
+void fit(RobotParameters& parameters, const BodyMeasures& body, const robot::RobotModel& model) {
+  const RobotParameters unfitted = parameters;
+  const double lowered_m = body.com_m - find_or(parameters, "com_height_mm", 0.0) / kMmPerM;
+  std::optional<InputError> first;
+  for (const double share : kLoweredShares) {
+    parameters = unfitted;
+    if (share < 1.0) set(parameters, "com_height_mm", kMmPerM * (body.com_m - share * lowered_m));
+    try {
+      return mend_all(parameters, body, model);
+    } catch (const InputError& error) {
+      if (!first) first = error;
+    }
+    if (lowered_m <= 0.0) break;
+  }
+  throw InputError(*first);
 }
 
 // --- Motions
@@ -310,26 +333,27 @@ void set_com_height(StartValues& values, const BodyMeasures& body, double height
 }
 
 // Narrows the steps, and then straightens the legs, until they reach the standing pose, its squat and the
-// shifts of the weight: hips that are far apart do not reach as far to the side as those of the reference,
-// ankles of some robots bend little, and heavy legs bend more for the same CoM height. Values of which none
-// is reached stay as they are.
+// shifts of the weight: hips that are far apart do not reach as far to the side as those of the reference.
+// Values of which none is reached stay as they are.
 void fit_stance(StartValues& values, const BodyMeasures& body, const simulation::NamedModel& model) {
   constexpr std::array<double, 5> kNarrower{1.0, 0.9, 0.8, 0.7, 0.6};
-  constexpr std::array<double, 5> kLowered{1.0, 0.85, 0.7, 0.55, 0.4};
   const StartValues unfitted = values;
   const double least_m = values.value("narrowest_step_mm") / kMmPerM;
-  for (const double lowered : kLowered) {
+  for (const double lowered : kLoweredShares) {
     for (const double narrower : kNarrower) {
       values = unfitted;
       values.step_width_m = std::max(narrower * unfitted.step_width_m, least_m);
-      if (lowered < 1.0) set_com_height(values, body, body.com_m - lowered * unfitted.com_lowered_m);
+      if (narrower < 1.0) set(values.parameters, "step_width_mm", kMmPerM * values.step_width_m);
       try {
+        if (lowered < 1.0) {
+          set_com_height(values, body, body.com_m - lowered * unfitted.com_lowered_m);
+          set(values.parameters, "com_height_mm", kMmPerM * values.com_height_m);
+        }
+        if (lowered < 1.0 || narrower < 1.0) mend_all(values.parameters, body, model.model);
         static_cast<void>(standing_pose(values, model, "A trial"));
       } catch (const InputError&) {
         continue;
       }
-      if (narrower < 1.0) set(values.parameters, "step_width_mm", kMmPerM * values.step_width_m);
-      if (lowered < 1.0) set(values.parameters, "com_height_mm", kMmPerM * values.com_height_m);
       return;
     }
   }

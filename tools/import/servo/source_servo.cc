@@ -27,7 +27,7 @@ constexpr double kMaxCoulombShare = 0.1;
 constexpr double kViscousShare_s = 0.002;
 constexpr double kFullVoltageError_rad = 0.13;
 // A controller of a position is stiffer than gravity tips the robot, if its motor is not strong: so much.
-constexpr double kStiffness = 3.0;  // of m g leg
+constexpr double kStiffness = 6.0;  // of m g leg
 constexpr double kLeastFullVoltageError_rad = 0.02;
 
 double leg_length_m(const ImportedRobot& robot) {

@@ -89,6 +89,43 @@ TEST_F(StartValuesOf, KneesThatEndEarlyMakeAShallowerSquat) {
   EXPECT_NE(squat(), deep);
 }
 
+// A level pelvis over one foot needs an angle whose tangent is the hip's distance from the middle over the
+// leg.
+TEST_F(StartValuesOf, HipsThatHardlyTurnInwardsKeepTheWeightOnTheInnerPartOfTheSole) {
+  const auto shift = [this] {
+    return standing_pose(scaled(), simulation::load_named_model(robot_), "A test").shift_text;
+  };
+  EXPECT_NE(shift().find("support: left, com: {y_mm: 0.0}"), std::string::npos);
+  const auto limit = [this](double inwards_rad) {
+    for (sim_board::JointDescription& joint : robot_.joints) {
+      if (joint.name == "left_hip_roll") joint.lower_rad = -inwards_rad;
+      if (joint.name == "right_hip_roll") joint.upper_rad = inwards_rad;
+    }
+  };
+  limit(12.5 * kRadPerDegree);
+  const std::string inner = shift();
+  EXPECT_EQ(inner.find("support: left, com: {y_mm: 0.0}"), std::string::npos);
+  EXPECT_NE(inner.find("support: left, com: {y_mm: -"), std::string::npos);
+  EXPECT_NE(inner.find("support: right, com: {y_mm: "), std::string::npos);
+  limit(2.0 * kRadPerDegree);  // no part of the sole
+  try {
+    static_cast<void>(shift());
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("shift.yaml"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(StartValuesOf, AnklesThatBendLittleStraightenTheLegs) {
+  const StartValues before = scaled();
+  for (sim_board::JointDescription& joint : robot_.joints)
+    if (joint.name.ends_with("_ankle_pitch")) joint.lower_rad = -44.0 * kRadPerDegree;
+  const StartValues after = scaled();
+  EXPECT_GT(after.leg_use, before.leg_use + 0.01);
+  EXPECT_NEAR(after.value("com_height_mm"), kMmPerM * after.com_height_m, 1e-9);
+  static_cast<void>(standing_pose(after, simulation::load_named_model(robot_), "A test"));
+}
+
 TEST_F(StartValuesOf, AHeavierTrunkBendTheKneesAlike) {
   const StartValues before = scaled();
   robot_.links[0].mass_kg *= 1.5;
