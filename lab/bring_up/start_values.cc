@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <initializer_list>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -176,24 +176,10 @@ constexpr double kLeastLegUse = 0.6;
 // leg's servos sag, which would leave a part of the weight on the free foot.
 constexpr double kFreeFoot = 0.03;
 
-// Raises a value to within the range "394 to 430 mm" that a refusal expects; false if it is not below it: a
-// CoM height for which ankles would have to bend further than they do.
-bool raise_into(double& value, const std::string& expected) {
-  constexpr double kWithin = 0.3;  // of the range, for steps and sway
-  double lower = 0.0;
-  double upper = 0.0;
-  if (std::sscanf(expected.c_str(), "%lf to %lf", &lower, &upper) != 2 || value >= lower || upper < lower)
-    return false;
-  value = lower + kWithin * (upper - lower);
-  return true;
-}
-
 // Changes a value that the robot's body refuses; false for one that cannot be mended.
-bool mend(RobotParameters& parameters, const std::string& refused, const std::string& expected,
-          const BodyMeasures& body) {
+bool mend(RobotParameters& parameters, const std::string& refused, const BodyMeasures& body) {
   constexpr double kLess = 0.98;
   const double least_mm = kMmPerM * body.sole_width_m + 2.0;
-  if (refused == "com_height_mm" && raise_into(*find(parameters, refused), expected)) return true;
   if (refused == "com_height_mm" || refused == "longest_step_mm") {
     multiply(parameters, refused, kLess);
     return *find(parameters, refused) >
@@ -223,7 +209,8 @@ bool mend(RobotParameters& parameters, const std::string& refused, const std::st
   return false;
 }
 
-void fit(RobotParameters& parameters, const BodyMeasures& body, const robot::RobotModel& model) {
+// Changes the values that the robot's body refuses. Throws InputError for one that cannot be mended.
+void mend_all(RobotParameters& parameters, const BodyMeasures& body, const robot::RobotModel& model) {
   constexpr int kMostChanges = 200;
   for (int change = 0;; ++change) {
     try {
@@ -231,11 +218,31 @@ void fit(RobotParameters& parameters, const BodyMeasures& body, const robot::Rob
       return;
     } catch (const InputError& error) {
       const std::string refused = error.found().substr(0, error.found().find(' '));
-      if (change == kMostChanges || find(parameters, refused) == nullptr ||
-          !mend(parameters, refused, error.expected(), body))
+      if (change == kMostChanges || find(parameters, refused) == nullptr || !mend(parameters, refused, body))
         throw;
     }
   }
+}
+
+// Shares of the way by which a CoM is lowered that are tried where the legs do not reach their poses or
+// steps: ankles of some robots bend little, and heavy legs bend more for the same CoM height.
+constexpr std::array<double, 5> kLoweredShares{1.0, 0.85, 0.7, 0.55, 0.4};
+
+void fit(RobotParameters& parameters, const BodyMeasures& body, const robot::RobotModel& model) {
+  const RobotParameters unfitted = parameters;
+  const double lowered_m = body.com_m - find_or(parameters, "com_height_mm", 0.0) / kMmPerM;
+  std::optional<InputError> first;
+  for (const double share : kLoweredShares) {
+    parameters = unfitted;
+    if (share < 1.0) set(parameters, "com_height_mm", kMmPerM * (body.com_m - share * lowered_m));
+    try {
+      return mend_all(parameters, body, model);
+    } catch (const InputError& error) {
+      if (!first) first = error;
+    }
+    if (lowered_m <= 0.0) break;
+  }
+  throw InputError(*first);
 }
 
 // --- Motions
@@ -406,26 +413,27 @@ void set_com_height(StartValues& values, const BodyMeasures& body, double height
 }
 
 // Narrows the steps, and then straightens the legs, until they reach the standing pose, its squat and the
-// shifts of the weight: hips that are far apart do not reach as far to the side as those of the reference,
-// ankles of some robots bend little, and heavy legs bend more for the same CoM height. Values of which none
-// is reached stay as they are.
+// shifts of the weight: hips that are far apart do not reach as far to the side as those of the reference.
+// Values of which none is reached stay as they are.
 void fit_stance(StartValues& values, const BodyMeasures& body, const simulation::NamedModel& model) {
   constexpr std::array<double, 5> kNarrower{1.0, 0.9, 0.8, 0.7, 0.6};
-  constexpr std::array<double, 5> kLowered{1.0, 0.85, 0.7, 0.55, 0.4};
   const StartValues unfitted = values;
   const double least_m = values.value("narrowest_step_mm") / kMmPerM;
-  for (const double lowered : kLowered) {
+  for (const double lowered : kLoweredShares) {
     for (const double narrower : kNarrower) {
       values = unfitted;
       values.step_width_m = std::max(narrower * unfitted.step_width_m, least_m);
-      if (lowered < 1.0) set_com_height(values, body, body.com_m - lowered * unfitted.com_lowered_m);
+      if (narrower < 1.0) set(values.parameters, "step_width_mm", kMmPerM * values.step_width_m);
       try {
+        if (lowered < 1.0) {
+          set_com_height(values, body, body.com_m - lowered * unfitted.com_lowered_m);
+          set(values.parameters, "com_height_mm", kMmPerM * values.com_height_m);
+        }
+        if (lowered < 1.0 || narrower < 1.0) mend_all(values.parameters, body, model.model);
         if (!standing_pose(values, model, "A trial").unreached.empty()) continue;
       } catch (const InputError&) {
         continue;
       }
-      if (narrower < 1.0) set(values.parameters, "step_width_mm", kMmPerM * values.step_width_m);
-      if (lowered < 1.0) set(values.parameters, "com_height_mm", kMmPerM * values.com_height_m);
       return;
     }
   }

@@ -109,13 +109,17 @@ class RoleFinder {
   template <std::size_t kCount>
   void name_limb(const Limb& limb, const std::string& side, const std::array<RoleJoint, kCount>& roles) {
     std::vector<std::size_t> joints = limb.joints;
-    if (joints.size() >= kCount) order_by_role(joints, roles);
+    // Of legs with five joints, some have no ankle roll, and others no hip yaw.
+    const bool lacks_last = kCount == kLegRoles.size() && joints.size() == kCount - 1 &&
+                            main_axis(axis_of_joint(joints.back())) == roles[kCount - 2].axis;
+    const bool is_by_place = joints.size() >= kCount || lacks_last;
+    if (is_by_place) order_by_role(joints, roles);
     std::size_t next = 0;
     for (std::size_t i = 0; i < joints.size() && next < kCount; ++i) {
       const ImportedJoint& joint = robot_.joints[joints[i]];
       const char axis = main_axis(axis_of_joint(joints[i]));
       std::size_t role = next;
-      if (joints.size() < kCount)
+      if (!is_by_place)
         while (role < kCount && roles[role].axis != axis) ++role;
       if (role == kCount) continue;
       roles_[side + std::string(roles[role].name)] = joint.name;
@@ -133,7 +137,8 @@ class RoleFinder {
   void order_by_role(std::vector<std::size_t>& joints, const std::array<RoleJoint, kCount>& roles) const {
     if constexpr (kCount == kLegRoles.size()) {
       order_by_axis(std::span(joints).first(3), std::span(roles).first(3));
-      order_by_axis(std::span(joints).subspan(4, 2), std::span(roles).subspan(4, 2));
+      if (joints.size() >= kCount)
+        order_by_axis(std::span(joints).subspan(4, 2), std::span(roles).subspan(4, 2));
     } else if constexpr (kCount == kArmRoles.size()) {
       const auto elbow = std::find_if_not(joints.begin() + 2, joints.end(),
                                           [this](std::size_t joint) { return twists(joint); });
@@ -244,6 +249,10 @@ void decide_roles(const ImportedRobot& robot, const Eigen::Matrix3d& R_MR, Inter
     std::erase_if(roles, [&](const auto& entry) { return entry.second == source; });
     roles[name] = source;
   }
+  if (!roles.contains("left_knee") || !roles.contains("right_knee"))
+    report.warnings.push_back(
+        "no two legs found: import.md shows which axes were taken for up and forward, and joints in "
+        "import.yaml names the firmware's joints");
   // Joints of one side only have no role: the firmware needs both.
   for (auto entry = roles.begin(); entry != roles.end();)
     entry = roles.contains(mirrored_name(entry->first)) ? std::next(entry) : roles.erase(entry);

@@ -197,7 +197,7 @@ class RobotWriter {
 
   // The last joint of an ankle: the sensor is between the robot and its foot.
   bool moves_foot(const ImportedJoint& joint, const std::string& side) const {
-    return joint.name.starts_with(side + "_ankle_") && robot_.find_joint(side + "_ankle_roll") &&
+    return joint.name.starts_with(side + "_ankle_") &&
            robot_.links[static_cast<std::size_t>(joint.child)].name == side + "_foot";
   }
 

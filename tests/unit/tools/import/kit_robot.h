@@ -28,12 +28,15 @@ struct KitRobot {
   bool has_waist = false;         // three joints between the legs and the arms
   double mass_factor = 1.0;       // of all links
   double effort_Nm = 10.0;        // of all joints
+  double turned_rad = 0.0;        // the direction in which the robot looks, from x to the left
+  double foot_ahead_m = 0.0;      // of the middle of a foot in front of its ankle
   std::string extra{};            // further elements
 
   std::string text() const {
     std::string urdf = "<?xml version=\"1.0\"?>\n<robot name=\"kit\">\n  <link name=\"base\"/>\n";
     urdf += link("body", 0.6, 0.1, 0.12, 0.14, 0.07);
-    urdf += fixed("base_body", "base", "body", fmt::format("0 {} 0", middle_m));
+    urdf += fixed("base_body", "base", "body", fmt::format("0 {} 0", middle_m),
+                  fmt::format("0 0 {}", turned_rad));
     urdf += leg("l", 1.0) + leg("r", -1.0) + waist() + arm("l", 1.0) + arm("r", -1.0);
     urdf += link("n", 0.04, 0.02, 0.02, 0.02, 0.0) + link("h", 0.1, 0.06, 0.06, 0.06, 0.03);
     urdf += hinge("j_n", "body", "n", "0 0 0.16", "0 0 0", "0 0 1", -1.5, 1.5);
@@ -42,11 +45,12 @@ struct KitRobot {
   }
 
   std::string link(const std::string& name, double unscaled_kg, double x_m, double y_m, double z_m,
-                   double up_m) const {
+                   double up_m, double ahead_m = 0.0) const {
     const double mass_kg = mass_factor * unscaled_kg;
     const auto moment = [&](double a, double b) { return inertia_factor * mass_kg / 12.0 * (a * a + b * b); };
-    const std::string shape = fmt::format(
-        "<origin xyz=\"0 0 {}\"/><geometry><box size=\"{} {} {}\"/></geometry>", up_m, x_m, y_m, z_m);
+    const std::string shape =
+        fmt::format("<origin xyz=\"{} 0 {}\"/><geometry><box size=\"{} {} {}\"/></geometry>", ahead_m, up_m,
+                    x_m, y_m, z_m);
     return fmt::format(
         "  <link name=\"{}\">\n    <inertial><origin xyz=\"0 0 {}\"/><mass value=\"{}\"/>\n"
         "      <inertia ixx=\"{}\" iyy=\"{}\" izz=\"{}\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>\n"
@@ -54,11 +58,11 @@ struct KitRobot {
         name, up_m, mass_kg, moment(y_m, z_m), moment(x_m, z_m), moment(x_m, y_m), shape, shape);
   }
   static std::string fixed(const std::string& name, const std::string& parent, const std::string& child,
-                           const std::string& xyz) {
+                           const std::string& xyz, const std::string& rpy = "0 0 0") {
     return fmt::format(
         "  <joint name=\"{}\" type=\"fixed\"><parent link=\"{}\"/><child link=\"{}\"/><origin "
-        "xyz=\"{}\"/></joint>\n",
-        name, parent, child, xyz);
+        "xyz=\"{}\" rpy=\"{}\"/></joint>\n",
+        name, parent, child, xyz, rpy);
   }
   std::string hinge(const std::string& name, const std::string& parent, const std::string& child,
                     const std::string& xyz, const std::string& rpy, const std::string& axis, double lower,
@@ -90,11 +94,12 @@ struct KitRobot {
 
   std::string leg(const std::string& s, double side) const {
     const bool is_left = side > 0.0;
-    std::string urdf =
-        link(s + "1", is_left ? 0.08 : right_hip_mass_kg, 0.03, 0.03, 0.03, 0.0) +
-        link(s + "2", 0.08, 0.03, 0.03, 0.03, 0.0) + link(s + "3", 0.1, 0.03, 0.03, 0.06, -0.04) +
-        link(s + "4", 0.1, 0.03, 0.03, 0.06, -0.04) + link(s + "5", 0.08, 0.03, 0.03, 0.03, 0.0) +
-        link(s + "6", 0.08, 0.1, 0.05, 0.01, -0.035);
+    std::string urdf = link(s + "1", is_left ? 0.08 : right_hip_mass_kg, 0.03, 0.03, 0.03, 0.0) +
+                       link(s + "2", 0.08, 0.03, 0.03, 0.03, 0.0) +
+                       link(s + "3", 0.1, 0.03, 0.03, 0.06, -0.04) +
+                       link(s + "4", 0.1, 0.03, 0.03, 0.06, -0.04);
+    if (ankle_axes.size() > 1) urdf += link(s + "5", 0.08, 0.03, 0.03, 0.03, 0.0);
+    urdf += link(fmt::format("{}{}", s, 4 + ankle_axes.size()), 0.08, 0.1, 0.05, 0.01, -0.035, foot_ahead_m);
     for (std::size_t i = 0; i < 3; ++i) {
       const std::string xyz = i == 0   ? fmt::format("0 {} {}", 0.04 * side, -0.03 + hip_yaw_slide_m)
                               : i == 1 ? fmt::format("0 0 {}", -hip_yaw_slide_m)
@@ -115,7 +120,7 @@ struct KitRobot {
     const int sign = is_left ? left_knee_sign : 1;
     urdf += hinge("j_" + s + "4", s + "3", s + "4", "0 0 -0.08", "0 0 0", pitch_axis(sign),
                   sign > 0 ? 0.0 : -2.0, sign > 0 ? 2.0 : 0.0);
-    for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t i = 0; i < ankle_axes.size(); ++i) {
       const bool is_pitch = ankle_axes[i] == 'y';
       urdf +=
           hinge(fmt::format("j_{}{}", s, i + 5), fmt::format("{}{}", s, i + 4), fmt::format("{}{}", s, i + 5),

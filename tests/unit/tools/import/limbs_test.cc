@@ -7,7 +7,9 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <string>
+#include <utility>
 
 #include "base/text/user_units.h"
 #include "firmware/robot/leg.h"
@@ -77,6 +79,21 @@ TEST_F(ImportLimbs, HipsAndAnklesHaveTheirJointsInAnyOrder) {
   EXPECT_TRUE(std::ranges::any_of(robot.links, [](const auto& link) { return link.name == "left_thigh"; }));
 }
 
+// Many robots have no ankle roll. They are imported, stand, and the firmware says what they lack.
+TEST_F(ImportLimbs, LegsWithoutAnkleRollHaveTheirNames) {
+  const ImportResult result = import({.hip_axes = "yxz", .ankle_axes = "y"});
+  EXPECT_EQ(source_of(result, "left_hip_pitch"), "j_l1");
+  EXPECT_EQ(source_of(result, "left_hip_roll"), "j_l2");
+  EXPECT_EQ(source_of(result, "left_hip_yaw"), "j_l3");
+  EXPECT_EQ(source_of(result, "right_ankle_pitch"), "j_r5");
+  write_import_folder(folder_ / "out", result.files);
+  const sim_board::RobotDescription robot = sim_board::load_robot(folder_ / "out/robot.sdf");
+  EXPECT_TRUE(simulation::find_model_errors(robot).empty());
+  EXPECT_TRUE(robot.left_ankle);
+  EXPECT_TRUE(sim_board::feet_of(robot)[0]);
+  EXPECT_FALSE(robot::can_walk(simulation::load_named_model(robot).model));
+}
+
 // The roll axis decides where joint zero of the ankle is, unless it is inclined to the sole.
 TEST_F(ImportLimbs, AnInclinedAnkleLeavesTheSoleLevel) {
   const double incline_rad = 10.0 * kRadPerDegree;
@@ -137,6 +154,18 @@ TEST_F(ImportLimbs, RobotsTooHeavyForServosOfKitsHaveDrivesAsStrongAsTheFileSays
     return line.find("left_knee: an effort of 1000 N m, which no such robot has") != std::string::npos;
   }));
   EXPECT_EQ(placeholder.files.at("robot.sdf").find("drive_1000"), std::string::npos);
+}
+
+// CAD leaves the robot looking anywhere; legs beside each other along x look along y, where the feet are
+// longer.
+TEST_F(ImportLimbs, LooksAcrossTheLineBetweenTheLegs) {
+  for (const auto& [turned_rad, forward] :
+       {std::pair{0.5 * std::numbers::pi, "y"}, {-0.5 * std::numbers::pi, "-y"}}) {
+    const ImportResult result = import({.turned_rad = turned_rad, .foot_ahead_m = 0.02});
+    EXPECT_NE(result.files.at("import.yaml").find(std::string("forward: ") + forward), std::string::npos);
+    EXPECT_EQ(source_of(result, "left_knee"), "j_l4");
+    EXPECT_GT(joint(load(result), "left_knee").upper_rad, 1.5);
+  }
 }
 
 // A bracket that is the same part on both sides has its anchor in front of the limb on one of them.
