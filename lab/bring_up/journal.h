@@ -13,7 +13,7 @@ namespace koboshi::lab {
 
 // A rung of the ladder from a model to a robot that walks.
 struct Rung {
-  // kImpossible: the robot has no joints for it; the rungs above are tried.
+  // kImpossible: the robot has no joints for it, or they do not reach it; the rungs above are tried.
   enum class Result { kReached, kFailed, kImpossible, kNotTried };
 
   std::string name;  // "stands"

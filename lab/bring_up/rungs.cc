@@ -26,6 +26,16 @@ Rung failed(const char* name, std::string cause) {
   return {.name = name, .result = Rung::Result::kFailed, .figure = {}, .cause = std::move(cause)};
 }
 
+// The legs do not reach a motion.
+Rung impossible(const char* name, std::string cause) {
+  return {.name = name, .result = Rung::Result::kImpossible, .figure = {}, .cause = std::move(cause)};
+}
+
+std::string unreached(const TriedRobot& robot, const std::string& motion) {
+  const auto found = robot.values().unreached.find(motion);
+  return found == robot.values().unreached.end() ? std::string() : found->second;
+}
+
 Rung reached(const char* name, std::string figure) {
   return {.name = name, .result = Rung::Result::kReached, .figure = std::move(figure), .cause = {}};
 }
@@ -231,6 +241,7 @@ TorqueLimits torque_limits(const sim_board::ServoDescription& servo, double low_
 
 Rung squat(const TriedRobot& robot, const PlayOptions& options) {
   constexpr const char* kName = "squats";
+  if (const std::string cause = unreached(robot, "squat"); !cause.empty()) return impossible(kName, cause);
   ReadyRobots& robots = robot.standing(options);
   const double for_s = 7.0 * robot.move_s() + 1.5;
   const std::vector<Played> all = robots.play("play: squat", for_s);
@@ -263,6 +274,7 @@ Rung squat(const TriedRobot& robot, const PlayOptions& options) {
 
 Rung shift_weight(const TriedRobot& robot, const PlayOptions& options) {
   constexpr const char* kName = "shifts its weight";
+  if (const std::string cause = unreached(robot, "shift"); !cause.empty()) return impossible(kName, cause);
   ReadyRobots& robots = robot.standing(options);
   HoldWatch watch(robots.robot(), robot.move_s(), options.seeds);
   const std::vector<Played> all =

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -208,7 +209,8 @@ bool mend(RobotParameters& parameters, const std::string& refused, const BodyMea
   return false;
 }
 
-void fit(RobotParameters& parameters, const BodyMeasures& body, const robot::RobotModel& model) {
+// Changes the values that the robot's body refuses. Throws InputError for one that cannot be mended.
+void mend_all(RobotParameters& parameters, const BodyMeasures& body, const robot::RobotModel& model) {
   constexpr int kMostChanges = 200;
   for (int change = 0;; ++change) {
     try {
@@ -222,12 +224,33 @@ void fit(RobotParameters& parameters, const BodyMeasures& body, const robot::Rob
   }
 }
 
+// Shares of the way by which a CoM is lowered that are tried where the legs do not reach their poses or
+// steps: ankles of some robots bend little, and heavy legs bend more for the same CoM height.
+constexpr std::array<double, 5> kLoweredShares{1.0, 0.85, 0.7, 0.55, 0.4};
+
+void fit(RobotParameters& parameters, const BodyMeasures& body, const robot::RobotModel& model) {
+  const RobotParameters unfitted = parameters;
+  const double lowered_m = body.com_m - find_or(parameters, "com_height_mm", 0.0) / kMmPerM;
+  std::optional<InputError> first;
+  for (const double share : kLoweredShares) {
+    parameters = unfitted;
+    if (share < 1.0) set(parameters, "com_height_mm", kMmPerM * (body.com_m - share * lowered_m));
+    try {
+      return mend_all(parameters, body, model);
+    } catch (const InputError& error) {
+      if (!first) first = error;
+    }
+    if (lowered_m <= 0.0) break;
+  }
+  throw InputError(*first);
+}
+
 // --- Motions
 
-// The angles of the first pose, by the names of the joints, in degrees.
-std::vector<std::pair<std::string, double>> compiled_angles(const std::string& text,
+// The angles of the first pose of the motion `name`, by the names of the joints, in degrees.
+std::vector<std::pair<std::string, double>> compiled_angles(const std::string& name, const std::string& text,
                                                             const simulation::NamedModel& model) {
-  const simulation::MotionFile file = simulation::read_motion_text("stand.yaml", text);
+  const simulation::MotionFile file = simulation::read_motion_text(name + ".yaml", text);
   simulation::Diagnostics diagnostics(file.path, file.text);
   const simulation::MotionSource motion = simulation::parse_motion(file, model, diagnostics);
   static_cast<void>(simulation::compile_motion(motion, model, diagnostics));
@@ -270,17 +293,151 @@ std::string pose_text(const std::string& name, const std::string& from, double c
 // Throws MotionError, that of the shallowest squat, if there is none.
 template <typename TextOfDepth>
 std::string deepest_squat(const TextOfDepth& text_of, const simulation::NamedModel& model) {
-  constexpr std::array<double, 4> kDepths{0.85, 0.88, 0.91, 0.94};  // of the CoM's height
+  constexpr std::array<double, 5> kDepths{0.85, 0.88, 0.91, 0.94, 0.96};  // of the CoM's height
   for (const double depth : kDepths) {
     std::string text = text_of(depth);
     try {
-      static_cast<void>(compiled_angles(text, model));
+      static_cast<void>(compiled_angles("squat", text, model));
       return text;
     } catch (const simulation::MotionError&) {
       if (depth == kDepths.back()) throw;
     }
   }
   return {};
+}
+
+// Returns the text of the shift that goes farthest over each foot: hips of some robots hardly turn inwards,
+// and the centre of mass then stays on the inner part of the sole, of which `half_sole_m` is the width.
+// Throws MotionError, that of the shift to the middle of the sole, if there is none.
+template <typename TextOfShift>
+std::string farthest_shift(const TextOfShift& text_of, double half_sole_m,
+                           const simulation::NamedModel& model) {
+  constexpr std::array<double, 4> kInward{0.0, 0.15, 0.3, 0.45};  // of the half sole
+  for (const double inward : kInward) {
+    std::string text = text_of(inward * half_sole_m);
+    try {
+      static_cast<void>(compiled_angles("shift", text, model));
+      return text;
+    } catch (const simulation::MotionError&) {
+    }
+  }
+  static_cast<void>(compiled_angles("shift", text_of(0.0), model));
+  return {};
+}
+
+// Makes the standing pose at a height, and the motions from it.
+class PoseMaker {
+ public:
+  PoseMaker(const StartValues& values, const simulation::NamedModel& model, const std::string& origin)
+      : values_(values),
+        model_(model),
+        origin_(origin),
+        step_s_(1.5 * std::max(1.0, values.time_scale)),
+        time_(fmt::format("{:.2f}", step_s_)) {}
+
+  // Throws MotionError for a pose that the legs do not reach; motions that they do not reach are `unreached`.
+  StandingPose make(double height_m) const {
+    const std::string pose =
+        pose_text("stand", "hanging", values_.com_forward_m, height_m, values_.step_width_m) +
+        hanging_text(model_);
+    StandingPose standing{.stand_text = motion_head(values_, "stand", origin_) + pose +
+                                        "steps:\n  - {pose: stand, time_s: " + time_ + "}\n",
+                          .squat_text = {},
+                          .shift_text = {},
+                          .joints_text = {},
+                          .joints_deg = {},
+                          .step_s = step_s_,
+                          .unreached = {}};
+    standing.joints_deg = compiled_angles("stand", standing.stand_text, model_);
+    for (const auto& [joint, angle_deg] : standing.joints_deg)
+      standing.joints_text +=
+          fmt::format("{}{}: {:.2f}", standing.joints_text.empty() ? "" : ", ", joint, angle_deg);
+    const auto attempt = [&standing](const char* motion, std::string& text, const auto& make_text) {
+      try {
+        text = make_text();
+      } catch (const simulation::MotionError& error) {
+        standing.unreached[motion] = error.what();
+      }
+    };
+    attempt("squat", standing.squat_text, [&] { return squat_text(pose, height_m); });
+    attempt("shift", standing.shift_text, [&] { return shift_text(pose); });
+    return standing;
+  }
+
+ private:
+  std::string squat_text(const std::string& pose, double height_m) const {
+    return deepest_squat(
+        [&](double depth) {
+          return motion_head(values_, "squat", origin_) + pose +
+                 pose_text("down", "stand", values_.com_forward_m, depth * height_m, values_.step_width_m) +
+                 fmt::format(
+                     "steps:\n  - {{pose: stand, time_s: {0}}}\n  - loop:\n      times: 3\n      steps:\n"
+                     "        - {{pose: down, time_s: {0}, interpolation: minimum_jerk}}\n"
+                     "        - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
+                     time_);
+        },
+        model_);
+  }
+
+  std::string shift_text(const std::string& pose) const {
+    return farthest_shift(
+        [&](double inward_m) {
+          return motion_head(values_, "shift", origin_) + pose +
+                 fmt::format(
+                     "  over_left: {{from: stand, support: left, com: {{y_mm: {2:.1f}}}, right_foot: "
+                     "{{z_mm: {1:.1f}}}}}\n"
+                     "  over_right: {{from: stand, support: right, com: {{y_mm: {3:.1f}}}, left_foot: "
+                     "{{z_mm: {1:.1f}}}}}\n"
+                     "steps:\n  - {{pose: stand, time_s: {0}}}\n"
+                     "  - {{pose: over_left, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
+                     "  - {{pose: over_right, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
+                     "  - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
+                     time_, kMmPerM * kFreeFoot * values_.leg_m, 0.0 - kMmPerM * inward_m,
+                     kMmPerM * inward_m);
+        },
+        0.5 * values_.sole_width_m, model_);
+  }
+
+  const StartValues& values_;
+  const simulation::NamedModel& model_;
+  const std::string& origin_;
+  double step_s_;
+  std::string time_;
+};
+
+// Sets a CoM height and what follows from it.
+void set_com_height(StartValues& values, const BodyMeasures& body, double height_m) {
+  values.com_height_m = height_m;
+  values.com_lowered_m = body.com_m - height_m;
+  values.leg_use = (body.limb_m - values.com_lowered_m) / body.limb_m;
+}
+
+// Narrows the steps, and then straightens the legs, until they reach the standing pose, its squat and the
+// shifts of the weight: hips that are far apart do not reach as far to the side as those of the reference.
+// Values of which none is reached stay as they are.
+void fit_stance(StartValues& values, const BodyMeasures& body, const simulation::NamedModel& model) {
+  constexpr std::array<double, 5> kNarrower{1.0, 0.9, 0.8, 0.7, 0.6};
+  const StartValues unfitted = values;
+  const double least_m = values.value("narrowest_step_mm") / kMmPerM;
+  for (const double lowered : kLoweredShares) {
+    for (const double narrower : kNarrower) {
+      values = unfitted;
+      values.step_width_m = std::max(narrower * unfitted.step_width_m, least_m);
+      if (narrower < 1.0) set(values.parameters, "step_width_mm", kMmPerM * values.step_width_m);
+      try {
+        if (lowered < 1.0) {
+          set_com_height(values, body, body.com_m - lowered * unfitted.com_lowered_m);
+          set(values.parameters, "com_height_mm", kMmPerM * values.com_height_m);
+        }
+        if (lowered < 1.0 || narrower < 1.0) mend_all(values.parameters, body, model.model);
+        if (!standing_pose(values, model, "A trial").unreached.empty()) continue;
+      } catch (const InputError&) {
+        continue;
+      }
+      return;
+    }
+  }
+  values = unfitted;
 }
 
 }  // namespace
@@ -348,7 +505,10 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
   // The plan follows arms and waist; only the reference was tuned without.
   set(parameters, "fixed_upper_body", 0.0);
   set(parameters, "touchdown_load_N", 0.0);
-  const double stance = body.stance_m / from.stance_m / scale;
+  // Legs that stand far apart walk on a narrower track: the sway of the body from foot to foot grows with its
+  // width. 1.14 walks.
+  constexpr double kMostStance = 1.2;
+  const double stance = std::min(kMostStance, body.stance_m / from.stance_m / scale);
   multiply(parameters, "step_width_mm", stance);
   multiply(parameters, "widest_step_mm", stance);
   set(parameters, "narrowest_step_mm", kMmPerM * body.sole_width_m + 2.0 * scale);
@@ -385,12 +545,11 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
   }
   if (double* pitch = find(parameters, "trunk_pitch_deg")) *pitch += factors.trunk_pitch_deg;
   fit(parameters, body, model.model);
-  values.com_height_m = *find(parameters, "com_height_mm") / kMmPerM;
+  set_com_height(values, body, *find(parameters, "com_height_mm") / kMmPerM);
   values.step_width_m = *find(parameters, "step_width_mm") / kMmPerM;
   values.com_forward_m = body.sole_middle_m;
   values.leg_m = body.leg_m;
-  values.com_lowered_m = body.com_m - values.com_height_m;
-  values.leg_use = (body.limb_m - values.com_lowered_m) / body.limb_m;
+  values.sole_width_m = body.sole_width_m;
   if (values.leg_use > kMostLegUse || values.leg_use < kLeastLegUse)
     throw InputError(
         parameters.file, 0,
@@ -399,6 +558,7 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
                     kMmPerM * values.leg_use * body.limb_m),
         fmt::format("{:.0f} to {:.0f} mm", kMmPerM * (body.com_m - (1 - kLeastLegUse) * body.limb_m),
                     kMmPerM * (body.com_m - (1 - kMostLegUse) * body.limb_m)));
+  fit_stance(values, body, model);
   return values;
 }
 
@@ -419,55 +579,22 @@ std::string parameters_text(const StartValues& values, const std::string& origin
 
 StandingPose standing_pose(const StartValues& values, const simulation::NamedModel& model,
                            const std::string& origin) {
-  const double step_s = 1.5 * std::max(1.0, values.time_scale);
-  const std::string time = fmt::format("{:.2f}", step_s);
-  const std::string hanging = hanging_text(model);
   constexpr int kMostChanges = 20;
-  double height_m = values.com_height_m;
-  for (int change = 0;; ++change, height_m *= 0.98) {
-    const std::string pose =
-        pose_text("stand", "hanging", values.com_forward_m, height_m, values.step_width_m) + hanging;
-    try {
-      StandingPose standing{.stand_text = motion_head(values, "stand", origin) + pose +
-                                          "steps:\n  - {pose: stand, time_s: " + time + "}\n",
-                            .squat_text = {},
-                            .shift_text = {},
-                            .joints_text = {},
-                            .joints_deg = {},
-                            .step_s = step_s};
-      standing.joints_deg = compiled_angles(standing.stand_text, model);
-      for (const auto& [joint, angle_deg] : standing.joints_deg)
-        standing.joints_text +=
-            fmt::format("{}{}: {:.2f}", standing.joints_text.empty() ? "" : ", ", joint, angle_deg);
-      standing.squat_text = deepest_squat(
-          [&](double depth) {
-            return motion_head(values, "squat", origin) + pose +
-                   pose_text("down", "stand", values.com_forward_m, depth * height_m, values.step_width_m) +
-                   fmt::format(
-                       "steps:\n  - {{pose: stand, time_s: {0}}}\n  - loop:\n      times: 3\n      steps:\n"
-                       "        - {{pose: down, time_s: {0}, interpolation: minimum_jerk}}\n"
-                       "        - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
-                       time);
-          },
-          model);
-      standing.shift_text =
-          motion_head(values, "shift", origin) + pose +
-          fmt::format(
-              "  over_left: {{from: stand, support: left, com: {{y_mm: 0}}, right_foot: {{z_mm: {1:.1f}}}}}\n"
-              "  over_right: {{from: stand, support: right, com: {{y_mm: 0}}, left_foot: {{z_mm: "
-              "{1:.1f}}}}}\n"
-              "steps:\n  - {{pose: stand, time_s: {0}}}\n"
-              "  - {{pose: over_left, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
-              "  - {{pose: over_right, time_s: {0}, interpolation: minimum_jerk, pause_s: 1}}\n"
-              "  - {{pose: stand, time_s: {0}, interpolation: minimum_jerk}}\n",
-              time, kMmPerM * kFreeFoot * values.leg_m);
-      static_cast<void>(compiled_angles(standing.shift_text, model));
-      return standing;
-    } catch (const simulation::MotionError& error) {
-      if (change == kMostChanges)
-        throw InputError("stand.yaml", 0, one_line(error.what()), "a standing pose that the legs reach");
+  // What keeps the robot from its own height, not from the lowest one.
+  std::string first_fault;
+  for (const bool with_all : {true, false}) {
+    double height_m = values.com_height_m;
+    for (int change = 0; change <= kMostChanges; ++change, height_m *= 0.98) {
+      try {
+        StandingPose standing = PoseMaker(values, model, origin).make(height_m);
+        if (standing.unreached.empty() || !with_all) return standing;
+        if (first_fault.empty()) first_fault = standing.unreached.begin()->second;
+      } catch (const simulation::MotionError& error) {
+        if (first_fault.empty()) first_fault = error.what();
+      }
     }
   }
+  throw InputError("stand.yaml", 0, first_fault, "a standing pose that the legs reach");
 }
 
 }  // namespace koboshi::lab

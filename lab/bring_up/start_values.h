@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -34,7 +35,8 @@ struct BodyMeasures {
 // Parameters and the standing pose for a robot that nobody has tuned: those of a robot that walks, scaled by
 // dynamic similarity (R. McN. Alexander, "Estimates of speeds of dinosaurs", 1976: equal Froude numbers) and
 // fitted to the reach of the legs.
-//   lengths        by the leg's length, the step's width by the distance of the feet
+//   lengths        by the leg's length, the step's width by the distance of the feet, and less where the legs
+//                  do not reach a pose on one foot
 //   CoM height     that of straight legs less what the reference's bend lowers it, by the distance from hip
 //                  to ankle: knees bend alike, however long or heavy the trunk is
 //   times, speeds  by the square root of the leg's length
@@ -48,8 +50,10 @@ struct StartValues {
   double com_forward_m = 0.0;  // of the standing pose, in front of the ankles
   double time_scale = 1.0;     // of the reference's times
   double leg_m = 0.0;          // BodyMeasures::leg_m
+  double sole_width_m = 0.0;   // BodyMeasures::sole_width_m
   double com_lowered_m = 0.0;  // CoM height of straight legs less `com_height_m`
   double leg_use = 1.0;        // distance from hip to ankle, as a share of that of straight legs
+  std::map<std::string, std::string> unreached{};  // StandingPose::unreached
 
   // Returns the value of a parameter; 0 if it is not set.
   [[nodiscard]] double value(const std::string& key) const;
@@ -70,9 +74,9 @@ struct StartFactors {
                                         const StartFactors& factors = {});
 
 // The texts of parameters.yaml and of the motions `stand`, `squat` and `shift`, which compile for this robot.
-// `shift` moves the centre of mass over the left foot, then over the right one, lets the other foot hang just
-// above the ground, and holds each for a second.
-// `origin` is named in their first lines. Throws InputError if the legs do not reach a pose.
+// `shift` moves the centre of mass over the left foot, then over the right one, as far as the hips permit,
+// lets the other foot hang just above the ground, and holds each for a second. `origin` is named in their
+// first lines. Throws InputError if the legs do not reach the standing pose.
 [[nodiscard]] std::string parameters_text(const StartValues& values, const std::string& origin);
 struct StandingPose {
   std::string stand_text;
@@ -81,6 +85,8 @@ struct StandingPose {
   std::string joints_text;                                 // the pose's angles as a map of YAML, in degrees
   std::vector<std::pair<std::string, double>> joints_deg;  // the same
   double step_s = 0.0;                                     // time of each move
+  // Of `squat` and `shift` those that the legs do not reach at any height, and why; their texts are empty.
+  std::map<std::string, std::string> unreached{};
 };
 [[nodiscard]] StandingPose standing_pose(const StartValues& values, const simulation::NamedModel& model,
                                          const std::string& origin);

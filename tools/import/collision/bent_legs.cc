@@ -63,12 +63,12 @@ std::string limb_of(const ImportedRobot& robot, std::size_t link) {
 
 class PoseMaker {
  public:
-  explicit PoseMaker(const ImportedRobot& robot) : robot_(robot) {}
+  explicit PoseMaker(const ImportedRobot& robot) : robot_(robot), X_BL_(link_poses(robot)) {}
 
   std::vector<BentPose> poses() const {
     std::vector<BentPose> all;
-    const std::optional<double> thigh_m = length_to("knee");
-    const std::optional<double> shank_m = length_to("ankle_pitch");
+    const std::optional<double> thigh_m = length_between("hip_pitch", "knee");
+    const std::optional<double> shank_m = length_between("knee", "ankle_pitch");
     if (!thigh_m || !shank_m) return all;
     for (const ArmPose& arms : kArmPoses)
       for (const double spread_deg : kLegsSpread_deg)
@@ -93,12 +93,16 @@ class PoseMaker {
   }
 
  private:
-  // From the joint above it to a joint of the left leg; nothing without a joint of this role, or if it hardly
-  // moves.
-  std::optional<double> length_to(const char* role) const {
-    const auto joint = robot_.find_joint(std::string("left_") + role);
-    if (!joint) return std::nullopt;
-    const double length_m = robot_.joints[static_cast<std::size_t>(*joint)].X_PL.translation().norm();
+  // Between two joints of the left leg; nothing without them, or if it hardly moves.
+  std::optional<double> length_between(const char* upper, const char* lower) const {
+    const auto one = robot_.find_joint(std::string("left_") + upper);
+    const auto other = robot_.find_joint(std::string("left_") + lower);
+    if (!one || !other) return std::nullopt;
+    const auto anchor = [this](int joint) {
+      return X_BL_[static_cast<std::size_t>(robot_.joints[static_cast<std::size_t>(joint)].child)]
+          .translation();
+    };
+    const double length_m = (anchor(*other) - anchor(*one)).norm();
     return length_m > 0.005 ? std::optional(length_m) : std::nullopt;
   }
 
@@ -118,6 +122,7 @@ class PoseMaker {
   }
 
   const ImportedRobot& robot_;
+  std::vector<Eigen::Isometry3d> X_BL_;  // at joint zero
 };
 
 // A slice of a box.

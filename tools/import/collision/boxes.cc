@@ -15,6 +15,9 @@ using Eigen::Vector3d;
 constexpr double kShrink = 0.95;   // a step of shrinking
 constexpr double kMinShare = 0.6;  // of a side; a box that is smaller is no image of its link
 
+// A box this near to the mid-plane stays there: the trunk's, whichever side of it is cut.
+constexpr double kCentred_m = 1e-6;
+
 bool is_foot(const ImportedLink& link) { return link.name == "left_foot" || link.name == "right_foot"; }
 
 std::optional<std::size_t> mirror_of(const ImportedRobot& robot, std::size_t link) {
@@ -120,8 +123,11 @@ double BoxCutter::spare_m(std::size_t link, int axis) const {
 
 bool BoxCutter::cut(std::size_t link, int axis, bool at_max, double depth_m) {
   if (is_foot(robot_.links[link])) return false;
-  if (boxes_.box(link).size_m[axis] - depth_m < kMinShare * original_m_[link][axis]) return false;
+  const bool both_ends = axis == 1 && is_own_image(link);
+  const double lost_m = both_ends ? 2.0 * depth_m : depth_m;
+  if (boxes_.box(link).size_m[axis] - lost_m < kMinShare * original_m_[link][axis]) return false;
   apply(link, axis, at_max, depth_m);
+  if (both_ends) apply(link, axis, !at_max, depth_m);
   if (const auto other = mirror_of(robot_, link)) apply(*other, axis, axis == 1 ? !at_max : at_max, depth_m);
   return true;
 }
@@ -130,13 +136,18 @@ bool BoxCutter::shrink(std::size_t link) {
   bool possible = false;
   for (int axis = 0; axis < 3; ++axis) {
     const double depth_m = 0.5 * (1.0 - kShrink) * boxes_.box(link).size_m[axis];
-    possible = cut(link, axis, true, depth_m) && cut(link, axis, false, depth_m);
+    const bool cuts_both = axis == 1 && is_own_image(link);
+    possible = cut(link, axis, true, depth_m) && (cuts_both || cut(link, axis, false, depth_m));
   }
   return possible;
 }
 
 double BoxCutter::smallest_share(std::size_t link) const {
   return boxes_.box(link).size_m.cwiseQuotient(original_m_[link]).minCoeff();
+}
+
+bool BoxCutter::is_own_image(std::size_t link) const {
+  return !mirror_of(robot_, link) && std::abs(boxes_.box(link).X_LG.translation().y()) < kCentred_m;
 }
 
 void BoxCutter::apply(std::size_t link, int axis, bool at_max, double depth_m) {

@@ -75,6 +75,8 @@ class BoxCutter {
   double smallest_share(std::size_t link) const;
 
  private:
+  // Whether a box of the middle is its own mirror image; a cut at its left end then is one at its right end.
+  bool is_own_image(std::size_t link) const;
   void apply(std::size_t link, int axis, bool at_max, double depth_m);
 
   Boxes& boxes_;

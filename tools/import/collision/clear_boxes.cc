@@ -84,9 +84,23 @@ std::optional<Contact> first_contact(Boxes& boxes, std::size_t joint, double end
   return std::nullopt;
 }
 
-// The end of the usual range on the side of `end_rad`, in the signs of this joint.
+// The end of the usual range on the side of `end_rad`, in the signs of this joint. A joint that turns about
+// another axis than its role does, such as an elbow that bends inwards, has its longer side where its own
+// range is longer.
 double usual_end_rad(const ImportedJoint& joint, double end_rad) {
-  const std::array<double, 2> range_rad = usual_range_rad(joint.name);
+  std::array<double, 2> range_rad = usual_range_rad(joint.name);
+  const RoleJoint* const role = find_role(joint.name);
+  int axis = 0;
+  joint.axis_L.cwiseAbs().maxCoeff(&axis);
+  if (role != nullptr && axis != role->axis - 'x') {
+    // In the signs of the left side, so that both sides end alike.
+    const bool is_right = joint.name.starts_with("right_");
+    const double lower_rad = is_right ? -*joint.upper_rad : *joint.lower_rad;
+    const double upper_rad = is_right ? -*joint.lower_rad : *joint.upper_rad;
+    const bool is_longer_below = -lower_rad > upper_rad;
+    if ((-range_rad[0] > range_rad[1]) != (is_longer_below != is_right))
+      range_rad = {-range_rad[1], -range_rad[0]};
+  }
   return std::abs(range_rad[end_rad > 0.0 ? 1 : 0]);
 }
 

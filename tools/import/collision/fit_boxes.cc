@@ -98,13 +98,22 @@ void mirror_boxes(const ImportedRobot& robot, std::vector<AlignedBox3d>& boxes) 
   }
 }
 
+// In a file with collision shapes, a link without any is meant to make no contacts, unless the file gives
+// them to a few links only, such as the feet of a robot that is never to fall.
+bool gives_collisions(const ImportedRobot& robot) {
+  const auto with_collisions =
+      std::ranges::count_if(robot.links, [](const ImportedLink& link) { return !link.collisions.empty(); });
+  const auto with_shapes = std::ranges::count_if(robot.links, [](const ImportedLink& link) {
+    return !link.collisions.empty() || !link.visuals.empty();
+  });
+  return 2 * with_collisions > with_shapes;
+}
+
 }  // namespace
 
 void fit_boxes(ImportedRobot& robot, bool symmetric, ImportReport& report) {
   std::vector<AlignedBox3d> boxes(robot.links.size());
-  // In a file with collision shapes, a link without any is meant to make no contacts.
-  const bool has_collisions =
-      std::ranges::any_of(robot.links, [](const ImportedLink& link) { return !link.collisions.empty(); });
+  const bool has_collisions = gives_collisions(robot);
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const ImportedLink& link = robot.links[i];
     const bool is_foot = link.name == "left_foot" || link.name == "right_foot";

@@ -11,7 +11,7 @@
 namespace koboshi::tools {
 
 // Returns the rotation from the axes of the root link to x forward, y left, z up. Asks for both directions;
-// the presets are z up if the legs hang along it, and x forward (REP-103).
+// the presets are those of find_up() and find_forward().
 [[nodiscard]] Eigen::Matrix3d decide_axes(const ImportedRobot& robot, Interview& interview);
 
 // Decides which joint is which: left_hip_yaw and so on, by the tree, the joints' places and their axes, not

@@ -100,6 +100,26 @@ std::string new_name(const std::string& wanted, std::set<std::string>& names) {
   return name;
 }
 
+// The thigh is what the last joint of the hip moves, and the foot what the last of the ankle does, whatever
+// their order.
+std::string link_name(const ImportedRobot& robot, const std::vector<std::string>& joint_names, int joint) {
+  const std::string& name = joint_names[static_cast<std::size_t>(joint)];
+  const RoleJoint* const role = find_role(name);
+  const auto place = std::ranges::find(kLegRoles, role == nullptr ? "" : role->name, &RoleJoint::name);
+  if (place == kLegRoles.end() || place->name == "knee") return link_name_of(name);
+  const std::string side = name.substr(0, name.size() - role->name.size());
+  const bool is_hip = role->name.starts_with("hip_");
+  const auto is_of_group = [&](const std::string& other) {
+    const RoleJoint* const found = find_role(other);
+    return found != nullptr && other.starts_with(side) && found->name.starts_with(is_hip ? "hip_" : "ankle_");
+  };
+  const int child = robot.joints[static_cast<std::size_t>(joint)].child;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i)
+    if (is_of_group(joint_names[i]) && robot.joints[i].parent == child)
+      return is_hip ? name + "_link" : side + "ankle_link";
+  return side + (is_hip ? "thigh" : "foot");
+}
+
 void rename(ImportedRobot& robot, const std::vector<std::string>& joint_names) {
   std::set<std::string> names;
   for (std::size_t i = 0; i < robot.joints.size(); ++i)
@@ -107,9 +127,8 @@ void rename(ImportedRobot& robot, const std::vector<std::string>& joint_names) {
   const int root = root_link(robot);
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const int joint = joint_of(robot, static_cast<int>(i));
-    robot.links[i].name = new_name(
-        static_cast<int>(i) == root ? "trunk" : link_name_of(joint_names[static_cast<std::size_t>(joint)]),
-        names);
+    robot.links[i].name =
+        new_name(static_cast<int>(i) == root ? "trunk" : link_name(robot, joint_names, joint), names);
   }
   for (ImportedLink& link : robot.links)
     for (ImportedFrame& frame : link.frames) frame.name = new_name(utf8_line(frame.name), names);

@@ -48,27 +48,21 @@ class Aligner {
 
   void align_leg(const std::string& side) {
     const auto hip = triple(side, {"hip_yaw", "hip_roll", "hip_pitch"});
+    if (!hip || !align_hip(*hip)) return;
     const auto lower = triple(side, {"knee", "ankle_pitch", "ankle_roll"});
-    if (!hip || !lower) return;
-    const auto [yaw, roll, pitch] = *hip;
+    if (!lower) return;
+    const std::size_t yaw = (*hip)[0];
     const auto [knee, ankle_pitch, ankle_roll] = *lower;
-    if (!is_along(anchors_.axes[yaw], 2) || !is_along(anchors_.axes[roll], 0) ||
-        !is_along(anchors_.axes[pitch], 1))
-      return;
-    // A hinge fixes the two coordinates across it.
-    const std::optional<double> x = crossing_of(yaw, pitch, 0);
-    const std::optional<double> y = crossing_of(yaw, roll, 1);
-    const std::optional<double> z = crossing_of(roll, pitch, 2);
-    if (x && y && z) slide_to({*x, *y, *z}, {yaw, roll, pitch});
     const double leg_y = point(yaw).y();
     for (const std::size_t joint : {knee, ankle_pitch})
       if (is_along(anchors_.axes[joint], 1)) slide_to({point(joint).x(), leg_y, point(joint).z()}, {joint});
     if (!is_along(anchors_.axes[ankle_pitch], 1) || !is_along(anchors_.axes[ankle_roll], 0)) return;
     const std::optional<double> ankle_z = crossing_of(ankle_pitch, ankle_roll, 2);
     const double beside_m = point(ankle_roll).y() - leg_y;
-    if (std::abs(beside_m) > max_miss_m_)
+    if (std::abs(beside_m) > max_miss_m_) {
       warn_miss(anchors_.names[ankle_roll], anchors_.names[yaw], beside_m, 1);
-    else if (ankle_z) {
+      slide_to({point(ankle_pitch).x(), point(ankle_roll).y(), point(ankle_roll).z()}, {ankle_roll});
+    } else if (ankle_z) {
       report_miss(anchors_.names[ankle_roll], anchors_.names[yaw], beside_m, 1);
       slide_to({point(ankle_pitch).x(), leg_y, *ankle_z}, {ankle_pitch, ankle_roll});
     }
@@ -91,15 +85,20 @@ class Aligner {
       const auto right = find(mirrored_name(name));
       if (!right) continue;
       const Vector3d image(point(*right).x(), -point(*right).y(), point(*right).z());
-      const double miss_m = (point(*left) - image).norm();
+      // Along the hinge both anchors may be anywhere: a bracket that is the same part on both sides has its
+      // horn in front on one of them.
+      const Vector3d miss = point(*left) - image;
+      const Vector3d& axis = anchors_.axes[*left];
+      const double along_m = miss.dot(axis);
+      const double miss_m = (miss - along_m * axis).norm();
       if (miss_m > max_miss_m_) {
         report_.warnings.push_back(fmt::format("{} and {}: anchors {:.2f} mm from mirror images", name,
                                                anchors_.names[*right], kMmPerM * miss_m));
         continue;
       }
-      if (miss_m > kRounding_m)
+      if (miss.norm() > kRounding_m)
         report_.normalised.push_back(fmt::format("{} and {}: anchors made mirror images, {:.3g} mm apart",
-                                                 name, anchors_.names[*right], kMmPerM * miss_m));
+                                                 name, anchors_.names[*right], kMmPerM * miss.norm()));
       point(*left) = 0.5 * (point(*left) + image);
       round(*left);
       point(*right) = {point(*left).x(), -point(*left).y(), point(*left).z()};
@@ -124,6 +123,23 @@ class Aligner {
   }
 
  private:
+  // Lets the axes of a hip meet; false if they are not along those of the base.
+  bool align_hip(const std::array<std::size_t, 3>& hip) {
+    const auto [yaw, roll, pitch] = hip;
+    if (!is_along(anchors_.axes[yaw], 2) || !is_along(anchors_.axes[roll], 0) ||
+        !is_along(anchors_.axes[pitch], 1))
+      return false;
+    // A hinge fixes the two coordinates across it.
+    const std::optional<double> x = crossing_of(yaw, pitch, 0);
+    const std::optional<double> y = crossing_of(yaw, roll, 1);
+    const std::optional<double> z = crossing_of(roll, pitch, 2);
+    if (x && y && z)
+      slide_to({*x, *y, *z}, {yaw, roll, pitch});
+    else
+      slide_along(yaw, roll, pitch);
+    return true;
+  }
+
   std::optional<std::array<std::size_t, 3>> triple(const std::string& side,
                                                    const std::array<const char*, 3>& roles) const {
     std::array<std::size_t, 3> joints{};
@@ -160,16 +176,27 @@ class Aligner {
     }
   }
 
+  // Hips whose axes do not meet: each anchor slides along its own hinge to where it is nearest to the others,
+  // so that left and right, of which only one may miss by too much, stay mirror images.
+  void slide_along(std::size_t yaw, std::size_t roll, std::size_t pitch) {
+    slide_to({point(yaw).x(), point(yaw).y(), point(pitch).z()}, {yaw});
+    slide_to({point(yaw).x(), point(roll).y(), point(roll).z()}, {roll});
+    slide_to({point(pitch).x(), point(yaw).y(), point(pitch).z()}, {pitch});
+  }
+
   void report_miss(const std::string& one, const std::string& other, double miss_m, int index) {
     if (std::abs(miss_m) <= kRounding_m) return;
     report_.normalised.push_back(fmt::format("{} and {}: axes made to meet, {:.3g} mm apart in {}", one,
                                              other, kMmPerM * std::abs(miss_m), "xyz"[index]));
   }
+  // Axes that are far apart are meant to be: the firmware then finds the leg's angles in steps.
   void warn_miss(const std::string& one, const std::string& other, double miss_m, int index) {
-    report_.warnings.push_back(fmt::format(
-        "{} and {}: axes {:.2f} mm apart in {}, more than max_miss_mm; the firmware's legs need axes that "
-        "meet",
-        one, other, kMmPerM * std::abs(miss_m), "xyz"[index]));
+    constexpr double kDesigned_m = 0.005;
+    const bool is_designed = std::abs(miss_m) > std::max(kDesigned_m, max_miss_m_);
+    (is_designed ? report_.normalised : report_.warnings)
+        .push_back(fmt::format("{} and {}: axes {:.2f} mm apart in {}{}", one, other,
+                               kMmPerM * std::abs(miss_m), "xyz"[index],
+                               is_designed ? "; they stay there" : ", more than max_miss_mm"));
   }
 
   JointAnchors& anchors_;

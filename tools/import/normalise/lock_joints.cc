@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 
@@ -39,6 +40,48 @@ void lock(ImportedJoint& joint, const std::string& because, bool is_listed, Inte
                                           one_line(joint.name), angle_deg, because));
 }
 
+// Counts the hinges beyond a joint that have an angle of their own.
+std::size_t free_hinges_beyond(const ImportedRobot& robot, const ImportedJoint& joint) {
+  std::size_t count = 0;
+  for (const ImportedJoint& other : robot.joints) {
+    if (!other.mimics.empty() || other.kind == JointKind::kFixed || other.kind == JointKind::kOther) continue;
+    int at = other.parent;
+    while (at >= 0 && at != joint.child) {
+      const int above = joint_of(robot, at);
+      at = above < 0 ? -1 : robot.joints[static_cast<std::size_t>(above)].parent;
+    }
+    if (at == joint.child) ++count;
+  }
+  return count;
+}
+
+// Joints of two limbs that one motor turns, such as both hip yaws: by index, the joint that has the same
+// motor. A finger that mimics another one carries no limb.
+std::map<std::size_t, std::size_t> joints_with_one_motor(const ImportedRobot& robot,
+                                                         const Interview& interview) {
+  constexpr std::size_t kLimb = 3;
+  std::map<std::size_t, std::size_t> pairs;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    const ImportedJoint& joint = robot.joints[i];
+    const auto index = joint.mimics.empty() ? std::nullopt : robot.find_joint(joint.mimics);
+    if (!index || is_wanted(interview, joint.name)) continue;
+    const auto other = static_cast<std::size_t>(*index);
+    if (free_hinges_beyond(robot, joint) < kLimb || free_hinges_beyond(robot, robot.joints[other]) < kLimb)
+      continue;
+    // One beyond the other is a knee with two axes, not two limbs.
+    const auto is_beyond = [&robot](const ImportedJoint& inner, const ImportedJoint& outer) {
+      for (int joint_above = joint_of(robot, outer.parent); joint_above >= 0;
+           joint_above = joint_of(robot, robot.joints[static_cast<std::size_t>(joint_above)].parent))
+        if (&robot.joints[static_cast<std::size_t>(joint_above)] == &inner) return true;
+      return false;
+    };
+    if (is_beyond(joint, robot.joints[other]) || is_beyond(robot.joints[other], joint)) continue;
+    pairs[i] = other;
+    pairs[other] = i;
+  }
+  return pairs;
+}
+
 // Why a joint has no drive; nothing for one that may have one.
 std::optional<std::string> undriven(const ImportedJoint& joint, bool has_actuators,
                                     const Interview& interview) {
@@ -52,12 +95,22 @@ std::optional<std::string> undriven(const ImportedJoint& joint, bool has_actuato
   return std::nullopt;
 }
 
+bool is_continuous(const ImportedJoint& joint) { return joint.kind == JointKind::kContinuous; }
+
+void set_range(ImportedJoint& joint, double range_deg, ImportReport& report) {
+  joint.upper_rad = kRadPerDegree * range_deg;
+  joint.lower_rad = -*joint.upper_rad;
+  report.normalised.push_back(fmt::format("line {}: joint {} without limits -> {:g} deg to either side",
+                                          joint.line, one_line(joint.name), range_deg));
+}
+
 }  // namespace
 
 void lock_undriven_joints(ImportedRobot& robot, Interview& interview, ImportReport& report) {
   const bool has_actuators = std::ranges::any_of(robot.joints, &ImportedJoint::has_actuator);
-  bool has_continuous = false;
-  for (ImportedJoint& joint : robot.joints) {
+  const std::map<std::size_t, std::size_t> one_motor = joints_with_one_motor(robot, interview);
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    ImportedJoint& joint = robot.joints[i];
     if (joint.kind == JointKind::kFixed) continue;
     if (joint.kind == JointKind::kOther && is_wanted(interview, joint.name))
       throw InputError(
@@ -67,13 +120,27 @@ void lock_undriven_joints(ImportedRobot& robot, Interview& interview, ImportRepo
     if (!joint.mimics.empty() && !robot.find_joint(joint.mimics))
       report.warnings.push_back(fmt::format("line {}: joint {} mimics {}, which does not exist", joint.line,
                                             one_line(joint.name), one_line(joint.mimics)));
+    if (const auto other = one_motor.find(i); other != one_motor.end()) {
+      const std::string partner = one_line(robot.joints[other->second].name);
+      lock(joint, "one motor turns it and " + partner, true, interview, report);
+      if (!joint.mimics.empty())
+        report.warnings.push_back(fmt::format(
+            "line {}: one motor turns {} and {}: both are locked, so that both sides are alike; a robot "
+            "without hip yaw walks straight and cannot turn; entries for both in joints of import.yaml give "
+            "each a motor of its own",
+            joint.line, one_line(joint.name), partner));
+      continue;
+    }
     if (const auto because = undriven(joint, has_actuators, interview)) {
       lock(joint, *because, true, interview, report);
       continue;
     }
-    has_continuous = has_continuous || joint.kind == JointKind::kContinuous;
+    if (is_continuous(joint)) set_range(joint, kContinuous_deg, report);
   }
-  if (!has_continuous) return;
+}
+
+void limit_continuous_joints(ImportedRobot& robot, Interview& interview, ImportReport& report) {
+  if (std::ranges::none_of(robot.joints, &is_continuous)) return;
   const double range_deg =
       interview.number({"continuous_range_deg",
                         "How far may joints without limits turn to either side, in degrees?",
@@ -81,12 +148,9 @@ void lock_undriven_joints(ImportedRobot& robot, Interview& interview, ImportRepo
                         {}},
                        1.0, kContinuous_deg);
   for (ImportedJoint& joint : robot.joints) {
-    if (joint.kind != JointKind::kContinuous) continue;
+    if (!is_continuous(joint)) continue;
     joint.kind = JointKind::kHinge;
-    joint.upper_rad = kRadPerDegree * range_deg;
-    joint.lower_rad = -*joint.upper_rad;
-    report.normalised.push_back(fmt::format("line {}: joint {} without limits -> {:g} deg to either side",
-                                            joint.line, one_line(joint.name), range_deg));
+    if (range_deg != kContinuous_deg) set_range(joint, range_deg, report);
   }
 }
 

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <optional>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "base/text/text.h"
 #include "base/text/user_units.h"
 #include "tools/import/decide/role_joints.h"
+#include "tools/import/normalise/sole_line.h"
 
 namespace koboshi::tools {
 namespace {
@@ -30,7 +33,8 @@ std::optional<double> angle_between(const Vector3d& axis, const Vector3d& from, 
   return std::atan2(axis.dot(a.cross(b)), a.dot(b));
 }
 
-// The direction that a joint straightens: the axis of the next joint, or the way to the next anchor.
+// The direction that a joint straightens: the axis of a joint that it carries, or the way to the next anchor.
+// The first target of a role whose joint it carries counts: hips and ankles have their joints in any order.
 struct Target {
   std::string_view role;
   std::string_view axis_of;  // make this joint's axis parallel to `along`
@@ -41,10 +45,13 @@ struct Target {
 const std::vector<Target>& targets() {
   static const std::vector<Target> table{
       {"hip_yaw", "hip_pitch", Vector3d::UnitY(), ""},
+      {"hip_yaw", "knee", Vector3d::UnitY(), ""},
       {"hip_roll", "hip_pitch", Vector3d::UnitY(), ""},
+      {"hip_roll", "knee", Vector3d::UnitY(), ""},
       {"hip_pitch", "", Vector3d::Zero(), "knee"},
       {"knee", "", Vector3d::Zero(), "ankle_pitch"},
       {"ankle_pitch", "ankle_roll", Vector3d::UnitX(), ""},
+      {"ankle_roll", "ankle_pitch", Vector3d::UnitY(), ""},
       {"shoulder_pitch", "shoulder_roll", Vector3d::UnitX(), ""},
       {"shoulder_roll", "", Vector3d::Zero(), "elbow"},
       {"elbow", "", Vector3d::Zero(), "tip"},
@@ -70,8 +77,26 @@ class Straightener {
     const RoleJoint* const role = find_role(name);
     if (!joint || role == nullptr) return;
     const std::string side = name.substr(0, name.size() - role->name.size());
-    for (const Target& target : targets())
-      if (target.role == role->name) turn(name, side, target);
+    for (const Target& target : targets()) {
+      if (target.role != role->name) continue;
+      const auto next = index_of(side + std::string(target.axis_of));
+      if (!target.axis_of.empty() && (!next || !carries(*joint, *next))) continue;
+      turn(name, side, target);
+      break;
+    }
+    if (role->name == "ankle_pitch") level_sole(*joint, name, side);
+  }
+
+  // Moves the angle of a joint into its range: elbows and knees of some robots end before they are straight.
+  void keep_within_range(const std::string& name) {
+    const auto index = static_cast<std::size_t>(*index_of(name));
+    const ImportedJoint& bounded = robot_.joints[index];
+    if (!bounded.lower_rad || !bounded.upper_rad) return;
+    constexpr double kInside_rad = 1e-6 * kRadPerDegree;  // more than the rounding of the file
+    const double lower_rad = *bounded.lower_rad + kInside_rad;
+    const double upper_rad = std::max(lower_rad, *bounded.upper_rad - kInside_rad);
+    const double further_rad = std::clamp(angles_rad_[index], lower_rad, upper_rad) - angles_rad_[index];
+    if (std::abs(further_rad) > 2.0 * kInside_rad) set_rounded(name, static_cast<int>(index), further_rad);
   }
 
   std::optional<int> index_of(const std::string& name) const {
@@ -85,12 +110,41 @@ class Straightener {
     X_ML_ = link_poses(robot_, angles_rad_);
     for (Eigen::Isometry3d& pose : X_ML_) pose = R_MR_ * pose;
   }
+  bool carries(int joint, int other) const {
+    for (int at = other; at >= 0; at = joint_of(robot_, this->joint(at).parent))
+      if (at == joint) return true;
+    return false;
+  }
   const ImportedJoint& joint(int index) const { return robot_.joints[static_cast<std::size_t>(index)]; }
   Vector3d anchor(int index) const {
     return X_ML_[static_cast<std::size_t>(joint(index).child)].translation();
   }
   Vector3d axis(int index) const {
     return X_ML_[static_cast<std::size_t>(joint(index).child)].linear() * joint(index).axis_L;
+  }
+
+  // The axis of the ankle's roll may be inclined to the sole, which then decides.
+  void level_sole(int ankle, const std::string& name, const std::string& side) {
+    constexpr double kLevel_rad = 1.0 * kRadPerDegree;
+    const auto roll = index_of(side + "ankle_roll");
+    const int foot = joint(roll && carries(ankle, *roll) ? *roll : ankle).child;
+    const Vector3d forward = axis(ankle).cross(Vector3d::UnitZ()) * (axis(ankle).y() < 0.0 ? -1.0 : 1.0);
+    if (forward.norm() < 0.5) return;
+    const ImportedLink& link = robot_.links[static_cast<std::size_t>(foot)];
+    std::vector<Eigen::Vector2d> points;
+    for (const ImportedShape& shape : link.collisions.empty() ? link.visuals : link.collisions) {
+      if (!shape.surface) continue;
+      const Eigen::Isometry3d X_MG = X_ML_[static_cast<std::size_t>(foot)] * shape.X_LG;
+      for (const Eigen::Vector3f& vertex : shape.surface->vertices_m) {
+        const Vector3d point = X_MG * vertex.cast<double>();
+        points.emplace_back(forward.normalized().dot(point), point.z());
+      }
+    }
+    const auto sole = sole_line(std::move(points));
+    if (!sole) return;
+    const auto angle_rad =
+        angle_between(axis(ankle), sole->x() * forward.normalized() + sole->y() * Vector3d::UnitZ(), forward);
+    if (angle_rad && std::abs(*angle_rad) > kLevel_rad) set_rounded(name, ankle, *angle_rad);
   }
 
   void turn(const std::string& name, const std::string& side, const Target& target) {
@@ -107,10 +161,13 @@ class Straightener {
       if (!end) return;
       angle_rad = angle_between(axis(at), *end - anchor(at), -Vector3d::UnitZ());
     }
-    if (!angle_rad || std::abs(*angle_rad) <= tolerance_rad) return;
-    // Rounded, so that import.yaml gives the same pose.
+    if (angle_rad && std::abs(*angle_rad) > tolerance_rad) set_rounded(name, at, *angle_rad);
+  }
+
+  // Turns a joint further; rounded, so that import.yaml gives the same pose.
+  void set_rounded(const std::string& name, int at, double further_rad) {
     constexpr double kRounding_deg = 1e-6;
-    const double zero_deg = kDegreesPerRad * (angles_rad_[static_cast<std::size_t>(at)] + *angle_rad);
+    const double zero_deg = kDegreesPerRad * (angles_rad_[static_cast<std::size_t>(at)] + further_rad);
     set(name, kRadPerDegree * (std::round(zero_deg / kRounding_deg) * kRounding_deg));
   }
 
@@ -177,6 +234,7 @@ std::vector<double> decide_zero_pose(const ImportedRobot& robot, const Eigen::Ma
       straightener.set(name, kRadPerDegree * given->second);
     } else if (is_wanted) {
       straightener.straighten(name);
+      straightener.keep_within_range(name);
     }
     const double angle_deg = kDegreesPerRad * straightener.angles_rad()[static_cast<std::size_t>(*index)];
     if (angle_deg == 0.0) continue;

@@ -12,6 +12,7 @@
 #include "tools/import/decide/roles.h"
 #include "tools/import/mesh/surfaces.h"
 #include "tools/import/normalise/align.h"
+#include "tools/import/normalise/linkages.h"
 #include "tools/import/normalise/lock_joints.h"
 #include "tools/import/normalise/merge_links.h"
 #include "tools/import/normalise/repair_links.h"
@@ -62,11 +63,12 @@ ImportResult import_robot(const ImportOptions& options) {
   ImportReport& report = result.report;
   Interview interview(options.decisions, options.ask, options.decisions_source);
   if (auto exported = import_exported(options, interview, report)) return std::move(*exported);
-  const ServoCatalogue catalogue(options.servo_folder);
+  ServoCatalogue catalogue(options.servo_folder);
 
   ImportedRobot source = read_foreign_robot(options.file, report);
   load_surfaces(source, MeshPaths(options.file, options.paths), report);
   repair_links(source, interview, report);
+  move_actuators(source, report);
   lock_undriven_joints(source, interview, report);
   ImportedRobot robot = merge_fixed_links(source);
 
@@ -75,6 +77,7 @@ ImportResult import_robot(const ImportOptions& options) {
   lock_extra_joints(robot, interview, report);
   robot = merge_fixed_links(robot);
   if (robot.joints.empty()) throw InputError(options.file, 0, "a robot without driven hinges", "one or more");
+  limit_continuous_joints(robot, interview, report);
   repair_masses(robot, interview, report);
 
   const std::vector<double> zero_rad = decide_zero_pose(robot, R_MR, interview, report);

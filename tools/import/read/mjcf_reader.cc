@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <memory>
 #include <optional>
 
@@ -12,6 +13,7 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "tools/import/mesh/limited_child.h"
+#include "tools/import/read/mjcf_subset.h"
 #include "tools/import/read/xml_values.h"
 
 namespace koboshi::tools {
@@ -24,11 +26,36 @@ constexpr ChildLimits kLimits{.processor_s = 4, .memory_bytes = std::size_t{2} <
 // MuJoCo would write warnings to a file in the working folder.
 void ignore_warning(const char*) {}
 
-Model load(const std::filesystem::path& file, std::string& fault) {
+// A virtual file beside the source, so that meshes are found from there. A mjVFS contains thousands of names:
+// too large for the stack.
+class VirtualFile {
+ public:
+  VirtualFile(const std::filesystem::path& beside, const std::string& text)
+      : path_(beside.parent_path() / kName) {
+    mj_defaultVFS(vfs_.get());
+    mj_makeEmptyFileVFS(vfs_.get(), kName, static_cast<int>(text.size()));
+    std::ranges::copy(text, static_cast<char*>(vfs_->filedata[mj_findFileVFS(vfs_.get(), kName)]));
+  }
+  ~VirtualFile() { mj_deleteVFS(vfs_.get()); }
+  VirtualFile(const VirtualFile&) = delete;
+  VirtualFile& operator=(const VirtualFile&) = delete;
+
+  const mjVFS* vfs() const { return vfs_.get(); }
+  const char* path() const { return path_.c_str(); }
+
+ private:
+  static constexpr const char* kName = "koboshi_mjcf_subset.xml";
+
+  std::filesystem::path path_;
+  std::unique_ptr<mjVFS> vfs_ = std::make_unique<mjVFS>();
+};
+
+Model load(const std::filesystem::path& file, const std::string& text, std::string& fault) {
   std::array<char, 1000> message{};
+  const VirtualFile source(file, text);
   auto* const handler = mju_user_warning;
   mju_user_warning = ignore_warning;
-  Model model(mj_loadXML(file.c_str(), nullptr, message.data(), static_cast<int>(message.size())),
+  Model model(mj_loadXML(source.path(), source.vfs(), message.data(), static_cast<int>(message.size())),
               mj_deleteModel);
   mju_user_warning = handler;
   if (!model) fault = one_line(message.data());
@@ -44,19 +71,32 @@ int line_in(const std::string& message) {
   return static_cast<int>(parse_integer(message.substr(begin, end - begin)).value_or(0));
 }
 
-Model load_or_refuse(const std::filesystem::path& file) {
-  const ChildResult trial = run_in_child(kLimits, [&file] {
+// MuJoCo's message with the line of the source instead of that of the subset.
+std::string with_source_line(std::string message, int line, int source_line) {
+  const std::string text = "line " + std::to_string(line);
+  if (const std::size_t at = message.rfind(text); line > 0 && at != std::string::npos)
+    message.replace(at, text.size(), "line " + std::to_string(source_line));
+  return message;
+}
+
+Model load_or_refuse(const std::filesystem::path& file, const MjcfSubset& subset) {
+  const ChildResult trial = run_in_child(kLimits, [&] {
     std::string fault;
-    const Model model = load(file, fault);
+    const Model model = load(file, subset.text, fault);
     return fault;
   });
   if (!trial.fault.empty())
     throw InputError(file, 0, "a model on which MuJoCo " + trial.fault, "one that MuJoCo can load");
   const std::string expected = fmt::format("a model that MuJoCo {} can load", mj_versionString());
-  if (!trial.output.empty()) throw InputError(file, line_in(trial.output), trial.output, expected);
+  if (!trial.output.empty()) {
+    const int line = line_in(trial.output);
+    const auto index = static_cast<std::size_t>(line);
+    const int source_line = index < subset.lines.size() ? subset.lines[index] : 0;
+    throw InputError(file, source_line, with_source_line(trial.output, line, source_line), expected);
+  }
   std::string fault;
-  Model model = load(file, fault);
-  if (!model) throw InputError(file, line_in(fault), fault, expected);
+  Model model = load(file, subset.text, fault);
+  if (!model) throw InputError(file, 0, fault, expected);
   return model;
 }
 
@@ -74,8 +114,9 @@ Eigen::Isometry3d pose_at(const mjtNum* positions, const mjtNum* quaternions, in
 
 class MjcfReader {
  public:
-  MjcfReader(const std::filesystem::path& file, const mjModel& model, ImportReport& report)
-      : model_(model), report_(report) {
+  MjcfReader(const std::filesystem::path& file, const mjModel& model, const MjcfSubset& subset,
+             ImportReport& report)
+      : model_(model), subset_(subset), report_(report) {
     robot_.file = file;
     robot_.name = model.names;  // the model's own name comes first
     if (!name_fault(robot_.name).empty()) robot_.name = file.stem().string();
@@ -91,7 +132,8 @@ class MjcfReader {
       throw InputError(robot_.file, 0, std::to_string(robot_.links.size()) + " links",
                        "at most " + std::to_string(kMaxImportedLinks));
     read_actuators();
-    name_loops();
+    read_couplings();
+    read_loops();
     return std::move(robot_);
   }
 
@@ -178,8 +220,17 @@ class MjcfReader {
                                                   : JointKind::kContinuous;
     joint.axis_L = vector_at(model_.jnt_axis, index).normalized();
     if (joint.kind == JointKind::kHinge) {
-      joint.lower_rad = model_.jnt_range[2 * index];
-      joint.upper_rad = model_.jnt_range[2 * index + 1];
+      // The model's own pose is that of joint angle `ref`, which qpos0 holds.
+      const double zero_rad = model_.qpos0[model_.jnt_qposadr[index]];
+      joint.lower_rad = model_.jnt_range[2 * index] - zero_rad;
+      joint.upper_rad = model_.jnt_range[2 * index + 1] - zero_rad;
+    }
+    if (type == mjJNT_HINGE) {
+      const int dof = model_.jnt_dofadr[index];
+      joint.rotor_inertia_kg_m2 = model_.dof_armature[dof];
+      joint.coulomb_friction_Nm = model_.dof_frictionloss[dof];
+      if (model_.nuser_jnt > 1)
+        joint.effort_Nm = std::max(0.0, model_.jnt_user[index * model_.nuser_jnt + 1]);
     }
     return joint;
   }
@@ -192,16 +243,28 @@ class MjcfReader {
     link.p_LCom_L = X_LC.translation();
     link.I_LCom_L =
         X_LC.linear() * vector_at(model_.body_inertia, body).asDiagonal() * X_LC.linear().transpose();
+    for (int site = 0; site < model_.nsite; ++site) {
+      const std::string name = model_.names + model_.name_siteadr[site];
+      if (model_.site_bodyid[site] == body && is_of_imu(name))
+        link.frames.push_back({name, X_LB * pose_at(model_.site_pos, model_.site_quat, site)});
+    }
     for (int i = 0; i < model_.body_geomnum[body]; ++i) {
       const int geom = model_.body_geomadr[body] + i;
       std::optional<ImportedShape> shape = shape_of(geom);
       if (!shape) continue;
       shape->X_LG = X_LB * pose_at(model_.geom_pos, model_.geom_quat, geom);
       const bool makes_contacts = model_.geom_contype[geom] != 0 || model_.geom_conaffinity[geom] != 0;
-      if (makes_contacts) link.collisions.push_back(*shape);
       constexpr int kFirstHiddenGroup = 3;  // viewers show the groups 0 to 2
-      if (model_.geom_group[geom] < kFirstHiddenGroup) link.visuals.push_back(std::move(*shape));
+      const bool is_shown = model_.geom_group[geom] < kFirstHiddenGroup;
+      // Models that list the pairs that may touch switch off all others; what is not shown is there to touch.
+      if (makes_contacts || !is_shown) link.collisions.push_back(*shape);
+      if (is_shown) link.visuals.push_back(std::move(*shape));
     }
+  }
+
+  static bool is_of_imu(std::string name) {
+    std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+    return name_fault(name).empty() && name.find("imu") != std::string::npos;
   }
 
   std::optional<ImportedShape> shape_of(int geom) const {
@@ -255,25 +318,53 @@ class MjcfReader {
       if (!index) continue;
       ImportedJoint& joint = robot_.joints[static_cast<std::size_t>(*index)];
       joint.has_actuator = true;
-      if (model_.actuator_forcelimited[i] != 0)
-        joint.effort_Nm = std::abs(model_.actuator_gear[6 * i]) * model_.actuator_forcerange[2 * i + 1];
+      limit_effort(joint, actuator_force(i));
     }
   }
 
-  void name_loops() {
-    for (int i = 0; i < model_.neq; ++i) {
-      if (model_.eq_type[i] != mjEQ_CONNECT && model_.eq_type[i] != mjEQ_WELD) continue;
-      report_.warnings.push_back(
-          fmt::format("an equality constraint between {} and {} closes a loop; it is left out",
-                      name_of(model_.name_bodyadr, model_.eq_obj1id[i], "body"),
-                      name_of(model_.name_bodyadr, model_.eq_obj2id[i], "body")));
+  // The most that an actuator gives, in N m at the joint; 0 if the model does not limit it.
+  double actuator_force(int i) const {
+    const double gear = std::abs(model_.actuator_gear[6 * i]);
+    if (model_.actuator_forcelimited[i] != 0) return gear * model_.actuator_forcerange[2 * i + 1];
+    const bool is_motor =
+        model_.actuator_gaintype[i] == mjGAIN_FIXED && model_.actuator_biastype[i] == mjBIAS_NONE;
+    if (!is_motor || model_.actuator_ctrllimited[i] == 0) return 0.0;
+    return gear * std::abs(model_.actuator_gainprm[mjNGAIN * i]) * model_.actuator_ctrlrange[2 * i + 1];
+  }
+
+  // The joint's own limit and the actuator's both hold.
+  static void limit_effort(ImportedJoint& joint, double force_Nm) {
+    if (force_Nm <= 0.0) return;
+    joint.effort_Nm = joint.effort_Nm > 0.0 ? std::min(joint.effort_Nm, force_Nm) : force_Nm;
+  }
+
+  void read_couplings() {
+    for (const MjcfCoupling& coupling : subset_.couplings) {
+      const auto index = robot_.find_joint(coupling.joint);
+      if (!index || !robot_.find_joint(coupling.of)) continue;
+      ImportedJoint& joint = robot_.joints[static_cast<std::size_t>(*index)];
+      joint.mimics = coupling.of;
+      joint.mimic_ratio = coupling.ratio;
     }
-    if (model_.ntendon > 0)
-      report_.warnings.push_back(
-          fmt::format("{} left out", count_text(static_cast<std::uint64_t>(model_.ntendon), "tendon")));
+  }
+
+  void read_loops() {
+    for (const MjcfLoop& loop : subset_.loops) {
+      const auto one = link_of(loop.one);
+      const auto other = link_of(loop.other);
+      if (one && other) robot_.loops.push_back({*one, *other});
+    }
+    if (subset_.tendons > 0)
+      report_.warnings.push_back(fmt::format("{} left out", count_text(subset_.tendons, "tendon")));
+  }
+  std::optional<int> link_of(const std::string& body_name) const {
+    const int body = mj_name2id(&model_, mjOBJ_BODY, body_name.c_str());
+    if (body < 0 || last_link_[static_cast<std::size_t>(body)] < 0) return std::nullopt;
+    return last_link_[static_cast<std::size_t>(body)];
   }
 
   const mjModel& model_;
+  const MjcfSubset& subset_;
   ImportReport& report_;
   ImportedRobot robot_;
   std::vector<bool> kept_;               // by body
@@ -283,9 +374,10 @@ class MjcfReader {
 
 }  // namespace
 
-ImportedRobot read_mjcf(const std::filesystem::path& file, ImportReport& report) {
-  const Model model = load_or_refuse(file);
-  return MjcfReader(file, *model, report).read();
+ImportedRobot read_mjcf(const std::filesystem::path& file, const std::string& text, ImportReport& report) {
+  const MjcfSubset subset = mjcf_subset(file, text, report);
+  const Model model = load_or_refuse(file, subset);
+  return MjcfReader(file, *model, subset, report).read();
 }
 
 }  // namespace koboshi::tools

@@ -12,6 +12,7 @@ namespace koboshi::tools {
 // error of that file. Bodies without a joint that hang from the world, such as floors, are left out; equality
 // constraints and tendons are lines of `report.warnings`. Surfaces of meshes are set already. Throws
 // InputError with MuJoCo's message and its line, and in a build without MuJoCo.
-[[nodiscard]] ImportedRobot read_mjcf(const std::filesystem::path& file, ImportReport& report);
+[[nodiscard]] ImportedRobot read_mjcf(const std::filesystem::path& file, const std::string& text,
+                                      ImportReport& report);
 
 }  // namespace koboshi::tools

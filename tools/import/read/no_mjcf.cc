@@ -3,7 +3,7 @@
 
 namespace koboshi::tools {
 
-ImportedRobot read_mjcf(const std::filesystem::path& file, ImportReport&) {
+ImportedRobot read_mjcf(const std::filesystem::path& file, const std::string&, ImportReport&) {
   throw InputError(file, 0, "a MuJoCo model in a build without MuJoCo",
                    "a build with it: on Debian, apt-get install libmujoco-dev");
 }

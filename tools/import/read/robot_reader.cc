@@ -1,8 +1,9 @@
 #include "tools/import/read/robot_reader.h"
 
-#include <algorithm>
-#include <cstddef>
+#include <tinyxml2.h>
+
 #include <string>
+#include <string_view>
 
 #include "base/text/error.h"
 #include "base/text/foreign_text.h"
@@ -27,6 +28,39 @@ namespace {
                    "a URDF; expand it with: xacro " + file.string() + " > " + urdf.string());
 }
 
+bool has_substitution(const std::string_view text) {
+  return text.find("${") != std::string_view::npos || text.find("$(") != std::string_view::npos;
+}
+
+// Returns the line of the first element that xacro would replace by a part of the robot; 0 if there is none.
+// Files are found that xacro has expanded but for simulator plugins, arguments and conditions about them.
+int line_of_xacro(const tinyxml2::XMLElement& element, bool is_conditional) {
+  const std::string_view name = element.Name();
+  if (name == "gazebo" || name == "xacro:arg" || name == "xacro:property") return 0;
+  const bool is_condition = name == "xacro:if" || name == "xacro:unless";
+  const bool is_part = name == "link" || name == "joint" || name == "transmission";
+  if ((name.starts_with("xacro:") && !is_condition) || (is_conditional && is_part))
+    return element.GetLineNum();
+  if (!is_condition) {
+    for (const auto* attribute = element.FirstAttribute(); attribute != nullptr;
+         attribute = attribute->Next())
+      if (has_substitution(attribute->Value())) return element.GetLineNum();
+    if (const char* const text = element.GetText(); text != nullptr && has_substitution(text))
+      return element.GetLineNum();
+  }
+  for (const auto* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement())
+    if (const int line = line_of_xacro(*child, is_conditional || is_condition); line != 0) return line;
+  return 0;
+}
+
+// Throws InputError for a URDF that xacro has still to expand.
+void require_expanded(const std::filesystem::path& file, const std::string& text) {
+  tinyxml2::XMLDocument document;
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS || document.RootElement() == nullptr)
+    return;  // read_urdf() names the fault
+  if (const int line = line_of_xacro(*document.RootElement(), false); line != 0) refuse_xacro(file, line);
+}
+
 }  // namespace
 
 ImportedRobot read_foreign_robot(const std::filesystem::path& file, ImportReport& report) {
@@ -35,15 +69,12 @@ ImportedRobot read_foreign_robot(const std::filesystem::path& file, ImportReport
   const std::string root = xml_root_name(file);
   ImportedRobot robot;
   if (root == "robot") {
-    if (const auto at = std::min(text.find("<xacro:"), text.find("\"${")); at != std::string::npos)
-      refuse_xacro(file, static_cast<int>(
-                             std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n')) +
-                             1);
+    require_expanded(file, text);
     robot = read_urdf(file, text, report);
   } else if (root == "sdf") {
     robot = read_sdf(file, text, report);
   } else if (root == "mujoco") {
-    robot = read_mjcf(file, report);
+    robot = read_mjcf(file, text, report);
   } else {
     if (!text.empty())
       static_cast<void>(XmlDraft(file, text, XmlRule{.name = root}));  // names the line of a fault

@@ -66,14 +66,25 @@ struct ImportedJoint {
   Eigen::Vector3d axis_L = Eigen::Vector3d::UnitX();  // unit vector
   std::optional<double> lower_rad{};
   std::optional<double> upper_rad{};
-  double effort_Nm = 0.0;        // 0: the file gives none
-  double speed_rad_per_s = 0.0;  // 0: the file gives none
-  std::string mimics{};          // the joint whose angle this one follows
-  bool has_actuator = false;     // a <transmission>, or an actuator of MJCF
-  double reduction = 1.0;        // of the <transmission>, > 0
+  double effort_Nm = 0.0;            // 0: the file gives none
+  double speed_rad_per_s = 0.0;      // 0: the file gives none
+  double rotor_inertia_kg_m2 = 0.0;  // reflected to the joint; 0: the file gives none
+  double coulomb_friction_Nm = 0.0;  // the same
+  std::string mimics{};              // the joint whose angle this one follows
+  double mimic_ratio = 1.0;          // of this joint's angle to that one's
+  bool has_actuator = false;         // a <transmission>, or an actuator of MJCF
+  double reduction = 1.0;            // of the <transmission>, > 0
+  bool has_stage = false;            // `reduction` is that of gears that the file shows, behind the servo
+  std::string servo{};               // its type, as decided
   // The drive measures the joint angle of the source: shaft = sign * angle + zero.
   int drive_sign = 1;
   double drive_zero_rad = 0.0;
+};
+
+// Links that something beside the tree connects: a rod of a parallel linkage.
+struct ImportedLoop {
+  int one = -1;  // index of a link
+  int other = -1;
 };
 
 struct ImportedRobot {
@@ -81,6 +92,7 @@ struct ImportedRobot {
   std::filesystem::path file{};
   std::vector<ImportedLink> links{};
   std::vector<ImportedJoint> joints{};  // in any order
+  std::vector<ImportedLoop> loops{};    // of the source's own links, before any are merged
 
   std::optional<int> find_joint(const std::string& joint_name) const;
 };

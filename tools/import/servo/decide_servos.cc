@@ -9,14 +9,18 @@
 #include "base/text/text.h"
 #include "sim_board/description/servo_types.h"
 #include "tools/import/normalise/repair_links.h"
+#include "tools/import/servo/source_servo.h"
+#include "tools/import/servo/stiff_servo.h"
 
 namespace koboshi::tools {
 namespace {
 
 // The servos of usual robots by mass: a KHR-3HV has 1.5 kg, a DARwIn-OP 2.9 kg, kid-size robots up to 8 kg.
+// Heavier robots have drives of their own.
 std::string usual_servo(const ImportedRobot& robot) {
-  double mass_kg = 0.0;
-  for (const ImportedLink& link : robot.links) mass_kg += link.mass_kg;
+  const double mass_kg = mass_of(robot);
+  constexpr double kHeaviest_kg = 9.0;
+  if (mass_kg > kHeaviest_kg) return kSourceServo;
   if (mass_kg < 1.7) return "krs_2552";
   if (mass_kg < 4.0) return "mx_28";
   return mass_kg < 5.5 ? "mx_64_m6" : "mx_106_m6";
@@ -51,9 +55,10 @@ void decide_transmissions(ImportedRobot& robot, Interview& interview, ImportRepo
   constexpr double kMaxStage = 10.0;  // belts and pairs of gears behind a servo are below, gearboxes above
   double largest = 1.0;
   for (const ImportedJoint& joint : robot.joints)
-    if (std::abs(std::log(joint.reduction)) > std::abs(std::log(largest))) largest = joint.reduction;
-  if (largest == 1.0) return;
+    if (!joint.has_stage && std::abs(std::log(joint.reduction)) > std::abs(std::log(largest)))
+      largest = joint.reduction;
   const bool is_outside =
+      largest != 1.0 &&
       interview.answer(
           {"transmission",
            fmt::format("Where are the transmissions, of up to {:.4g} : 1? inside: in the servo, "
@@ -63,10 +68,11 @@ void decide_transmissions(ImportedRobot& robot, Interview& interview, ImportRepo
            {"inside", "outside"}}) == "outside";
   for (ImportedJoint& joint : robot.joints) {
     if (joint.reduction == 1.0) continue;
+    const bool is_stage = is_outside || joint.has_stage;
     report.normalised.push_back(
         fmt::format("{}: a transmission of {:.4g} : 1 {}", joint.name, joint.reduction,
-                    is_outside ? "behind the servo" : "in the servo, whose values include it"));
-    if (!is_outside) {
+                    is_stage ? "behind the servo" : "in the servo, whose values include it"));
+    if (!is_stage) {
       joint.reduction = 1.0;
     } else if (joint.reduction < kMinGear || joint.reduction > kMaxGear) {
       throw InputError(robot.file, joint.line,
@@ -78,18 +84,25 @@ void decide_transmissions(ImportedRobot& robot, Interview& interview, ImportRepo
 
 }  // namespace
 
-void decide_servos(ImportedRobot& robot, const ServoCatalogue& catalogue, Interview& interview,
+void decide_servos(ImportedRobot& robot, ServoCatalogue& catalogue, Interview& interview,
                    ImportReport& report) {
-  const std::string usual =
-      interview.answer({"servo", "Which servo moves the joints? (koboshi servo plot shows them)",
-                        usual_servo(robot), catalogue.names()});
-  decide_transmissions(robot, interview, report);
+  std::vector<std::string> choices = catalogue.names();
+  choices.emplace_back(kSourceServo);
+  const std::string usual = interview.answer(
+      {"servo",
+       "Which servo moves the joints? (koboshi servo plot shows them; source: as strong as the file says)",
+       stiff_servo(usual_servo(robot), robot, catalogue), choices});
+  SourceServos source_servos(robot, catalogue, report);
+  // The source's torques and speeds are those of its joints.
+  if (usual != kSourceServo) decide_transmissions(robot, interview, report);
   for (ImportedJoint& joint : robot.joints) {
     const auto given = interview.given().servos.find(joint.name);
     const std::string& type = given == interview.given().servos.end() ? usual : given->second;
     if (type != usual) interview.taken.servos[joint.name] = type;
-    apply(joint, sim_board::behind_gear(catalogue.find(type, robot.file).servo, joint.reduction), interview,
-          report);
+    if (usual == kSourceServo) joint.reduction = 1.0;
+    joint.servo = type == kSourceServo ? source_servos.type_of(joint) : type;
+    apply(joint, sim_board::behind_gear(catalogue.find(joint.servo, robot.file).servo, joint.reduction),
+          interview, report);
   }
 }
 

@@ -20,7 +20,7 @@ ServoCatalogue::ServoCatalogue(const std::filesystem::path& folder) {
   std::ranges::sort(files);
   for (const std::filesystem::path& file : files)
     for (const auto& [name, servo] : sim_board::read_servo_types(file))
-      entries_.try_emplace(name, Entry{servo, file});
+      entries_.try_emplace(name, Entry{servo, file, {}});
 }
 
 const ServoCatalogue::Entry& ServoCatalogue::find(const std::string& type,
@@ -37,7 +37,14 @@ std::vector<std::string> ServoCatalogue::names() const {
   return names;
 }
 
+bool ServoCatalogue::add(const std::string& type, const sim_board::ServoDescription& servo,
+                         const std::string& text) {
+  const auto [entry, is_new] = entries_.try_emplace(type, Entry{servo, {}, text});
+  return is_new || entry->second.text == text;
+}
+
 std::string ServoCatalogue::text(const std::string& type) const {
+  if (const Entry& entry = entries_.at(type); !entry.text.empty()) return entry.text;
   const XmlFile file(entries_.at(type).library, sim_board::servo_library_rule());
   for (const XmlNode& node : file.root().children("koboshi:servo_type")) {
     if (node.attribute("name") != type) continue;

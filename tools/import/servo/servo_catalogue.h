@@ -18,7 +18,10 @@ class ServoCatalogue {
   struct Entry {
     sim_board::ServoDescription servo{};
     std::filesystem::path library{};
+    std::string text{};  // of a type that the import has made; empty: the library has it
   };
+  // Adds a type that the import has made. Returns false for a name that another type has.
+  bool add(const std::string& type, const sim_board::ServoDescription& servo, const std::string& text);
   // Throws InputError, naming `source`, for a type that no library has.
   const Entry& find(const std::string& type, const std::filesystem::path& source) const;
   std::vector<std::string> names() const;

@@ -191,8 +191,14 @@ class RobotWriter {
         joint.reduction == 1.0 ? "" : fmt::format(" gear=\"{}\"", number_text(joint.reduction)),
         encoder_bits(joint), node_id, node_id, joint.drive_sign, joint.drive_zero_rad);
     for (const char* side : {"left", "right"})
-      if (joint.name == std::string(side) + "_ankle_roll") text += ankle_sensor_sdf(side, weight_N_);
+      if (moves_foot(joint, side)) text += ankle_sensor_sdf(side, weight_N_);
     return text + "    </joint>\n";
+  }
+
+  // The last joint of an ankle: the sensor is between the robot and its foot.
+  bool moves_foot(const ImportedJoint& joint, const std::string& side) const {
+    return joint.name.starts_with(side + "_ankle_") &&
+           robot_.links[static_cast<std::size_t>(joint.child)].name == side + "_foot";
   }
 
   // The servos' own encoders: behind a stage, a turn of the joint has more counts, or fewer.
@@ -248,8 +254,9 @@ std::string short_name(const std::string& name) {
 RobotFileParts decide_parts(const ImportedRobot& robot, const ServoCatalogue& catalogue,
                             Interview& interview) {
   RobotFileParts parts{.source = robot.file.filename().string(),
-                       .servo = interview.taken.answers.at("servo"),
-                       .servos = interview.taken.servos};
+                       .servo = interview.taken.answers.at("servo")};
+  for (const ImportedJoint& joint : robot.joints)
+    if (joint.servo != parts.servo) parts.servos[joint.name] = joint.servo;
   parts.name =
       short_name(interview.answer({"name", "What is the robot's name?", short_name(robot.name), {}}));
   ImportQuestion imu{"imu",
@@ -260,10 +267,14 @@ RobotFileParts decide_parts(const ImportedRobot& robot, const ServoCatalogue& ca
     imu.choices.push_back(frame.name);
     if (frame.name.find("imu") != std::string::npos && imu.preset == "com") imu.preset = frame.name;
   }
-  parts.imu_frame = interview.answer(imu);
+  parts.imu_frame = imu.choices.size() > 1 || interview.given().answers.contains("imu")
+                        ? interview.answer(imu)
+                        : imu.preset;
   parts.friction = interview.number(
       {"friction", "What is the coefficient of friction of the soles?", "0.8", {}}, 0.05, 5.0);
-  const double supply_V = catalogue.find(parts.servo, robot.file).servo.supply_V;
+  const auto most_used = std::ranges::find(robot.joints, parts.servo, &ImportedJoint::servo);
+  const ImportedJoint& powered = most_used == robot.joints.end() ? robot.joints.front() : *most_used;
+  const double supply_V = catalogue.find(powered.servo, robot.file).servo.supply_V;
   parts.battery_V = interview.number(
       {"battery_V", "What is the voltage of the battery without load?", number_text(supply_V), {}}, 1.0,
       100.0);

@@ -2,10 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <utility>
+#include <variant>
 
 #include "base/text/user_units.h"
 #include "view/capture/scene.h"
 #include "view/film/film.h"
+#include "view/render/camera.h"
+#include "view/render/camera_path.h"
 
 namespace koboshi::tools {
 namespace {
@@ -30,11 +33,44 @@ view::Scene scene_of(const sim_board::RobotDescription& robot) {
                           {.present = false, .surface = {}, .patches = {}, .boxes = {}, .height_fields = {}});
 }
 
+// The box around what is seen of the robot in its only sample, in the world.
+Eigen::AlignedBox3d bounds_m(const view::Recording& recording) {
+  Eigen::AlignedBox3d bounds;
+  const view::Sample& sample = recording.samples.front();
+  for (std::size_t i = 0; i < recording.scene.links.size(); ++i) {
+    const view::Pose& pose = sample.links[i];
+    const Eigen::Isometry3d X_WL =
+        Eigen::Translation3d(pose.p_WL_m.cast<double>()) * pose.q_WL.cast<double>();
+    bounds.extend(X_WL.translation());
+    for (const view::Shape& shape : recording.scene.links[i].visuals) {
+      const Eigen::Isometry3d X_WG = X_WL * shape.X_LG;
+      if (const auto* const mesh = std::get_if<view::Mesh>(&shape.geometry)) {
+        for (const Eigen::Vector3f& vertex : mesh->vertices_m) bounds.extend(X_WG * vertex.cast<double>());
+      } else {
+        bounds.extend(X_WG.translation());
+      }
+    }
+  }
+  return bounds;
+}
+
+// Shows the whole robot, whose head may be far above its last joint.
+view::CameraChoice camera_for(const view::Recording& recording) {
+  view::CameraChoice choice{.motion = view::CameraMotion::kFixed};
+  const Eigen::AlignedBox3d bounds = bounds_m(recording);
+  const view::Camera camera{.azimuth_rad = choice.azimuth_rad, .elevation_rad = choice.elevation_rad};
+  constexpr double kAir = 1.05;
+  choice.target_W_m = bounds.center();
+  choice.distance_m = view::distance_to_fit(camera, 1.0, kAir * 0.5 * bounds.diagonal().norm());
+  return choice;
+}
+
 void draw(const view::Recording& recording, RobotShapes shapes, const std::filesystem::path& file) {
   const view::FilmOptions options{.out = file,
                                   .width_px = kSize_px,
                                   .height_px = kSize_px,
                                   .at_s = {0.0},
+                                  .camera = camera_for(recording),
                                   .collisions = shapes == RobotShapes::kCollisions};
   view::render(recording, options, [](int, int) {});
 }

@@ -32,6 +32,13 @@ class StartValuesOf : public testing::Test {
     for (sim_board::JointDescription& joint : robot_.joints) joint.servo.full_voltage_error_rad /= times;
   }
 
+  void limit_hips(double inward_deg) {
+    for (sim_board::JointDescription& joint : robot_.joints) {
+      if (joint.name == "left_hip_roll") joint.lower_rad = -inward_deg * kRadPerDegree;
+      if (joint.name == "right_hip_roll") joint.upper_rad = inward_deg * kRadPerDegree;
+    }
+  }
+
   const sim_board::RobotDescription koboshi_ = sim_board::load_robot(kKoboshi);
   const simulation::RobotParameters reference_ = simulation::read_robot_parameters(kKoboshi);
   sim_board::RobotDescription robot_ = koboshi_;
@@ -87,6 +94,49 @@ TEST_F(StartValuesOf, KneesThatEndEarlyMakeAShallowerSquat) {
   for (sim_board::JointDescription& joint : robot_.joints)
     if (joint.name.ends_with("_knee")) joint.upper_rad = 95.0 * kRadPerDegree;
   EXPECT_NE(squat(), deep);
+}
+
+TEST_F(StartValuesOf, HipsThatEndEarlyNarrowTheSteps) {
+  const StartValues wide = scaled();
+  limit_hips(13.5);
+  const StartValues narrow = scaled();
+  EXPECT_LT(narrow.step_width_m, wide.step_width_m - 0.003);
+  EXPECT_GE(narrow.value("step_width_mm"), narrow.value("narrowest_step_mm"));
+  EXPECT_NEAR(narrow.value("step_width_mm"), kMmPerM * narrow.step_width_m, 1e-9);
+}
+
+// A robot that cannot shift its weight statically may still walk.
+TEST_F(StartValuesOf, AMotionThatTheLegsDoNotReachIsNamedWithItsCause) {
+  limit_hips(2.0);  // no part of the sole
+  const StandingPose pose = standing_pose(scaled(), simulation::load_named_model(robot_), "A test");
+  EXPECT_TRUE(pose.shift_text.empty());
+  EXPECT_FALSE(pose.squat_text.empty());
+  ASSERT_EQ(pose.unreached.count("shift"), 1U);
+  EXPECT_NE(pose.unreached.at("shift").find("shift.yaml"), std::string::npos);
+}
+
+// A level pelvis over one foot needs an angle whose tangent is the hip's distance from the middle over the
+// leg.
+TEST_F(StartValuesOf, HipsThatHardlyTurnInwardsKeepTheWeightOnTheInnerPartOfTheSole) {
+  const auto shift = [this] {
+    return standing_pose(scaled(), simulation::load_named_model(robot_), "A test").shift_text;
+  };
+  EXPECT_NE(shift().find("support: left, com: {y_mm: 0.0}"), std::string::npos);
+  limit_hips(12.5);
+  const std::string inner = shift();
+  EXPECT_EQ(inner.find("support: left, com: {y_mm: 0.0}"), std::string::npos);
+  EXPECT_NE(inner.find("support: left, com: {y_mm: -"), std::string::npos);
+  EXPECT_NE(inner.find("support: right, com: {y_mm: "), std::string::npos);
+}
+
+TEST_F(StartValuesOf, AnklesThatBendLittleStraightenTheLegs) {
+  const StartValues before = scaled();
+  for (sim_board::JointDescription& joint : robot_.joints)
+    if (joint.name.ends_with("_ankle_pitch")) joint.lower_rad = -44.0 * kRadPerDegree;
+  const StartValues after = scaled();
+  EXPECT_GT(after.leg_use, before.leg_use + 0.01);
+  EXPECT_NEAR(after.value("com_height_mm"), kMmPerM * after.com_height_m, 1e-9);
+  static_cast<void>(standing_pose(after, simulation::load_named_model(robot_), "A test"));
 }
 
 TEST_F(StartValuesOf, AHeavierTrunkBendTheKneesAlike) {
