@@ -419,24 +419,26 @@ void fit_stance(StartValues& values, const BodyMeasures& body, const simulation:
   constexpr std::array<double, 5> kNarrower{1.0, 0.9, 0.8, 0.7, 0.6};
   const StartValues unfitted = values;
   const double least_m = values.value("narrowest_step_mm") / kMmPerM;
-  for (const double lowered : kLoweredShares) {
-    for (const double narrower : kNarrower) {
-      values = unfitted;
-      values.step_width_m = std::max(narrower * unfitted.step_width_m, least_m);
-      if (narrower < 1.0) set(values.parameters, "step_width_mm", kMmPerM * values.step_width_m);
-      try {
-        if (lowered < 1.0) {
-          set_com_height(values, body, body.com_m - lowered * unfitted.com_lowered_m);
-          set(values.parameters, "com_height_mm", kMmPerM * values.com_height_m);
-        }
-        if (lowered < 1.0 || narrower < 1.0) mend_all(values.parameters, body, model.model);
-        if (!standing_pose(values, model, "A trial").unreached.empty()) continue;
-      } catch (const InputError&) {
-        continue;
+  const auto is_reached = [&](double lowered, double narrower, bool with_all) {
+    values = unfitted;
+    values.step_width_m = std::max(narrower * unfitted.step_width_m, least_m);
+    if (narrower < 1.0) set(values.parameters, "step_width_mm", kMmPerM * values.step_width_m);
+    try {
+      if (lowered < 1.0) {
+        set_com_height(values, body, body.com_m - lowered * unfitted.com_lowered_m);
+        set(values.parameters, "com_height_mm", kMmPerM * values.com_height_m);
       }
-      return;
+      if (lowered < 1.0 || narrower < 1.0) mend_all(values.parameters, body, model.model);
+      return standing_pose(values, model, "A trial").unreached.empty() || !with_all;
+    } catch (const InputError&) {
+      return false;
     }
-  }
+  };
+  // A robot that reaches no squat or no shift may stand.
+  for (const bool with_all : {true, false})
+    for (const double lowered : kLoweredShares)
+      for (const double narrower : kNarrower)
+        if (is_reached(lowered, narrower, with_all)) return;
   values = unfitted;
 }
 
