@@ -35,7 +35,7 @@ const sim_board::JointDescription& joint_of(const sim_board::RobotDescription& r
   const auto joint = robot.find_joint(role);
   if (!joint)
     throw InputError(robot.file, robot.line, "no joint " + role,
-                     "legs with hip pitch, knee and ankles to walk");
+                     "legs with hip roll and pitch, knee, ankle pitch and ankle roll to walk");
   return robot.joints[static_cast<std::size_t>(*joint)];
 }
 

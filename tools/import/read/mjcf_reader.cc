@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -202,8 +203,14 @@ class MjcfReader {
     fill_link(body);
   }
 
+  static int line_of(const std::map<std::string, int>& lines, const std::string& name) {
+    const auto found = lines.find(name);
+    return found == lines.end() ? 0 : found->second;
+  }
+
   int add_link(std::string name) {
-    robot_.links.push_back({.name = std::move(name)});
+    const int line = line_of(subset_.body_lines, name);
+    robot_.links.push_back({.name = std::move(name), .line = line});
     return static_cast<int>(robot_.links.size()) - 1;
   }
   void add_joint(ImportedJoint joint) {
@@ -213,6 +220,7 @@ class MjcfReader {
 
   ImportedJoint hinge(int index) const {
     ImportedJoint joint{.name = name_of(model_.name_jntadr, index, "joint")};
+    joint.line = line_of(subset_.joint_lines, joint.name);
     const int type = model_.jnt_type[index];
     joint.kind_name = type == mjJNT_HINGE ? "hinge" : type == mjJNT_SLIDE ? "slide" : "ball";
     joint.kind = type != mjJNT_HINGE              ? JointKind::kOther

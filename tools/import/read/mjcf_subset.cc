@@ -207,6 +207,10 @@ class SubsetMaker {
     }
     has_autolimits_ = has_autolimits_ || element->Attribute("autolimits") != nullptr;
     if (std::string_view(name) == "site") note_site(from, to);
+    if (const char* const own = from.Attribute("name")) {
+      if (std::string_view(name) == "joint") subset_.joint_lines[own] = from.GetLineNum();
+      if (std::string_view(name) == "body") subset_.body_lines[own] = from.GetLineNum();
+    }
     copy_children(from, *element);
   }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,9 @@ struct MjcfSubset {
   // version has added, and most additions are of that kind. The range of `actuatorfrcrange` is in `user`,
   // which inherits from default classes in the same way.
   std::string text{};
-  std::vector<int> lines{};  // of the source, by line of `text`; both begin with 1
+  std::vector<int> lines{};                  // of the source, by line of `text`; both begin with 1
+  std::map<std::string, int> joint_lines{};  // of the source, by name
+  std::map<std::string, int> body_lines{};
   std::vector<MjcfCoupling> couplings{};
   std::vector<MjcfLoop> loops{};
   std::size_t tendons = 0;

@@ -26,7 +26,9 @@ constexpr double kCoulombShare = 0.025;
 constexpr double kMaxCoulombShare = 0.1;
 constexpr double kViscousShare_s = 0.002;
 constexpr double kFullVoltageError_rad = 0.13;
-// A controller of a position is stiffer than gravity tips the robot, if its motor is not strong: so much.
+// A controller of a position is stiffer than gravity tips the robot, however weak its motor. With 3 a robot
+// of 16 kg whose hips turn at 45 degrees sags by 2 degrees with its weight on one foot, and falls; with 6 it
+// stays up and walks (28 November 2026, mujoco, mild).
 constexpr double kStiffness = 6.0;  // of m g leg
 constexpr double kLeastFullVoltageError_rad = 0.02;
 

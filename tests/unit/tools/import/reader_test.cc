@@ -192,6 +192,8 @@ TEST(MjcfReader, ReadsModelsOfNewerVersions) {
   ASSERT_TRUE(index);
   const ImportedJoint& joint = robot.joints[static_cast<std::size_t>(*index)];
   EXPECT_EQ(joint.effort_Nm, 45.0);
+  EXPECT_EQ(joint.line, 6);
+  EXPECT_EQ(robot.links[0].line, 5);
   EXPECT_EQ(joint.rotor_inertia_kg_m2, 0.02);
   EXPECT_EQ(joint.coulomb_friction_Nm, 0.3);
   EXPECT_TRUE(joint.has_actuator);
