@@ -1,11 +1,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <fmt/core.h>
@@ -91,9 +94,33 @@ void add_pictures(const std::filesystem::path& folder, std::string page) {
   write_whole_file(folder / "import.md", page);
 }
 
+// Loads the robot from a folder that exists only meanwhile: of a robot that cannot be simulated nothing is
+// written. Throws InputError, naming the source.
+void check_robot(const std::filesystem::path& source, const tools::FolderFiles& files) {
+  std::string path = std::filesystem::temp_directory_path() / "koboshi_import_XXXXXX";
+  if (mkdtemp(path.data()) == nullptr) throw std::system_error(errno, std::generic_category(), path);
+  const std::filesystem::path folder = path;
+  const auto remove = [&folder] {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder, ignored);
+  };
+  try {
+    tools::write_import_folder(folder, files);
+    static_cast<void>(sim_board::load_robot(folder / "robot.sdf"));
+  } catch (const InputError& error) {
+    remove();
+    throw InputError(source, 0, "a robot that cannot be simulated: " + error.found(), error.expected());
+  } catch (...) {
+    remove();
+    throw;
+  }
+  remove();
+}
+
 void import_model(const ModelImportArguments& arguments, const Invocation& invocation) {
   tools::check_import_folder(arguments.output);
   const tools::ImportResult result = tools::import_robot(options_of(arguments, invocation));
+  check_robot(arguments.file, result.files);
   tools::write_import_folder(arguments.output, result.files);
   add_pictures(arguments.output, result.files.at("import.md"));
   const tools::ImportReport& report = result.report;
