@@ -1,20 +1,18 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
+#include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <fmt/core.h>
 
-#include "base/file/output_file.h"
 #include "base/file/standard_streams.h"
+#include "base/file/temporary_folder.h"
 #include "base/text/text.h"
 #include "cli/commands.h"
 #include "sim_board/description/load.h"
@@ -77,52 +75,51 @@ tools::ImportOptions options_of(const ModelImportArguments& arguments, const Inv
   return options;
 }
 
-// Two pictures, above the first table of import.md. A machine without OpenGL writes the page without them.
-void add_pictures(const std::filesystem::path& folder, std::string page) {
+// Loads the imported robot from a folder for trial. Throws InputError, naming the source.
+sim_board::RobotDescription load_trial(const std::filesystem::path& source,
+                                       const std::filesystem::path& folder) {
   try {
-    const sim_board::RobotDescription robot = sim_board::load_robot(folder / "robot.sdf");
-    tools::draw_robot(robot, tools::RobotShapes::kVisuals, folder / "robot.png");
-    tools::draw_robot(robot, tools::RobotShapes::kCollisions, folder / "boxes.png");
+    return sim_board::load_robot(folder / "robot.sdf");
+  } catch (const InputError& error) {
+    throw InputError(source, 0, "a robot that cannot be simulated: " + error.found(), error.expected());
+  }
+}
+
+constexpr std::array kPictures{"robot.png", "boxes.png"};
+
+// Returns whether it drew the pictures into the folder: a machine without OpenGL does not.
+bool draw_pictures(const sim_board::RobotDescription& robot, const std::filesystem::path& folder) {
+  try {
+    tools::draw_robot(robot, tools::RobotShapes::kVisuals, folder / kPictures[0]);
+    tools::draw_robot(robot, tools::RobotShapes::kCollisions, folder / kPictures[1]);
+    return true;
   } catch (const view::GlError& error) {
     print_error("warning: import.md without pictures: {}\n", error.what());
-    return;
+    return false;
   }
+}
+
+// Shows the pictures above the first table of import.md.
+void show_pictures(const std::filesystem::path& folder, std::string& page) {
   page.insert(std::min(page.find("\n## "), page.size()),
               "\n![the robot](robot.png)\n![its collision boxes](boxes.png)\n\n"
               "`koboshi model map " +
                   folder.string() + " --pictures FOLDER` draws each joint turned by 20 degrees.\n");
-  write_whole_file(folder / "import.md", page);
 }
 
-// Loads the robot from a folder that exists only meanwhile: of a robot that cannot be simulated nothing is
-// written. Throws InputError, naming the source.
-void check_robot(const std::filesystem::path& source, const tools::FolderFiles& files) {
-  std::string path = std::filesystem::temp_directory_path() / "koboshi_import_XXXXXX";
-  if (mkdtemp(path.data()) == nullptr) throw std::system_error(errno, std::generic_category(), path);
-  const std::filesystem::path folder = path;
-  const auto remove = [&folder] {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder, ignored);
-  };
-  try {
-    tools::write_import_folder(folder, files);
-    static_cast<void>(sim_board::load_robot(folder / "robot.sdf"));
-  } catch (const InputError& error) {
-    remove();
-    throw InputError(source, 0, "a robot that cannot be simulated: " + error.found(), error.expected());
-  } catch (...) {
-    remove();
-    throw;
-  }
-  remove();
-}
-
+// Nothing is written of a robot that cannot be simulated.
 void import_model(const ModelImportArguments& arguments, const Invocation& invocation) {
   tools::check_import_folder(arguments.output);
-  const tools::ImportResult result = tools::import_robot(options_of(arguments, invocation));
-  check_robot(arguments.file, result.files);
+  tools::ImportResult result = tools::import_robot(options_of(arguments, invocation));
+  const TemporaryFolder trial;
+  tools::write_import_folder(trial.path(), result.files);
+  const bool has_pictures = draw_pictures(load_trial(arguments.file, trial.path()), trial.path());
+  if (has_pictures) show_pictures(arguments.output, result.files.at("import.md"));
   tools::write_import_folder(arguments.output, result.files);
-  add_pictures(arguments.output, result.files.at("import.md"));
+  for (const char* const picture : kPictures)
+    if (has_pictures)
+      std::filesystem::copy_file(trial.path() / picture, arguments.output / picture,
+                                 std::filesystem::copy_options::overwrite_existing);
   const tools::ImportReport& report = result.report;
   for (const tools::ImportRepair& repair : report.repairs)
     fmt::print("{}: {} -> {}, because {}\n", repair.key, repair.found, repair.is_kept ? "kept" : repair.taken,

@@ -517,7 +517,7 @@ class Climber {
   const std::chrono::steady_clock::time_point end_;
   const fs::path folder_;
   const FolderLock lock_;
-  const ScratchFolder scratch_;
+  const TemporaryFolder scratch_;
   const sim_board::RobotDescription robot_;
   const simulation::RobotParameters reference_;
   const BodyMeasures reference_body_;

@@ -1,12 +1,9 @@
 #include "lab/bring_up/robot_files.h"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "base/file/output_file.h"
@@ -29,18 +26,6 @@ void write_all(const RobotFiles& files, const fs::path& folder) {
 
 }  // namespace
 
-ScratchFolder::ScratchFolder() {
-  std::string pattern = (fs::temp_directory_path() / "koboshi-bring-up-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr)
-    throw std::system_error(errno, std::generic_category(), "cannot make a folder for temporary files");
-  path_ = pattern;
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
 std::vector<std::string> motion_names(const RobotFiles& files) {
   std::vector<std::string> names;
   for (const auto& [name, text] : files) {
@@ -52,7 +37,7 @@ std::vector<std::string> motion_names(const RobotFiles& files) {
 
 std::shared_ptr<const simulation::PreparedScenario> prepare_files(const RobotFiles& files,
                                                                   const fs::path& robot,
-                                                                  const ScratchFolder& scratch,
+                                                                  const TemporaryFolder& scratch,
                                                                   std::span<const Override> overrides) {
   write_all(files, scratch.path());
   const fs::path own = fs::absolute(robot);

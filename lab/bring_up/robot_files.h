@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/file/temporary_folder.h"
 #include "base/yaml/yaml_tree.h"
 #include "simulation/assembly/prepared_scenario.h"
 
@@ -23,25 +24,10 @@ using RobotFiles = std::map<std::filesystem::path, std::string>;
 // the first motion.
 [[nodiscard]] std::vector<std::string> motion_names(const RobotFiles& files);
 
-// A folder for files that are tried and not kept. Its destructor removes it.
-class ScratchFolder {
- public:
-  // Makes a folder in the system's folder for temporary files. Throws std::system_error.
-  ScratchFolder();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 // Prepares the scenario `go.yaml` of `files` for the robot of this file, whose own folder is only read. The
 // parameters and motions are those of `files`. Throws InputError.
 [[nodiscard]] std::shared_ptr<const simulation::PreparedScenario> prepare_files(
-    const RobotFiles& files, const std::filesystem::path& robot, const ScratchFolder& scratch,
+    const RobotFiles& files, const std::filesystem::path& robot, const TemporaryFolder& scratch,
     std::span<const Override> overrides);
 
 // Returns the text of a file that bring-up has written; nothing if there is no file. Throws InputError for a

@@ -144,7 +144,7 @@ class HoldWatch {
 // --- TriedRobot
 
 TriedRobot::TriedRobot(RobotFiles files, StartValues values, double move_s,
-                       const std::filesystem::path& robot, const ScratchFolder& scratch)
+                       const std::filesystem::path& robot, const TemporaryFolder& scratch)
     : files_(std::move(files)),
       values_(std::move(values)),
       move_s_(move_s),

@@ -33,7 +33,7 @@ class TriedRobot {
  public:
   // `files` has go.yaml, parameters.yaml and the motions. The references must outlive the object.
   TriedRobot(RobotFiles files, StartValues values, double move_s, const std::filesystem::path& robot,
-             const ScratchFolder& scratch);
+             const TemporaryFolder& scratch);
 
   // The same robot with other files.
   TriedRobot with(RobotFiles files) const { return {std::move(files), values_, move_s_, robot_, scratch_}; }
@@ -67,7 +67,7 @@ class TriedRobot {
   StartValues values_;
   double move_s_;
   const std::filesystem::path& robot_;
-  const ScratchFolder& scratch_;
+  const TemporaryFolder& scratch_;
   mutable std::vector<Kept> kept_;
 };
 

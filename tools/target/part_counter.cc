@@ -1,7 +1,6 @@
 #include "tools/target/part_counter.h"
 
-#include <stdlib.h>
-
+#include <filesystem>
 #include <limits>
 #include <stdexcept>
 
@@ -32,17 +31,6 @@ std::filesystem::path find_plugin() {
 }
 
 }  // namespace
-
-TemporaryFolder::TemporaryFolder() {
-  std::string name = std::filesystem::temp_directory_path() / "koboshi-XXXXXX";
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a folder " + name);
-  path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
 
 PartCounter::PartCounter(const nlohmann::ordered_json& image) {
   const std::filesystem::path table = folder_.path() / "code";

@@ -2,33 +2,19 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "base/file/temporary_folder.h"
 #include "tools/target/parts.h"
 
 namespace koboshi::tools {
 
 // Instructions in a call of the firmware, by Part.
 using PartCounts = std::array<std::uint64_t, kPartNames.size()>;
-
-// A new empty folder; the destructor removes it.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 // Counts the firmware's instructions by part while QEMU executes the image, through a plugin of QEMU
 // (plugin/count_by_part.cc).
