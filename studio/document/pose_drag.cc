@@ -23,6 +23,7 @@ using fixed::Angle;
 using fixed::to_double;
 using robot::JointRole;
 using simulation::isometry_of;
+using simulation::target_of;
 using simulation::vector_of;
 
 // Steps of the search along the line to a target out of reach: the longest displacement and rotation between
@@ -44,16 +45,6 @@ Matrix3d rotation_of(const Vector3d& rotation_rad) {
   const double angle_rad = rotation_rad.norm();
   if (angle_rad == 0.0) return Matrix3d::Identity();
   return Eigen::AngleAxisd(angle_rad, rotation_rad / angle_rad).toRotationMatrix();
-}
-
-simulation::Target target_of(const Isometry3d& X) {
-  const Matrix3d& R = X.linear();
-  simulation::Target target;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    target.position_m[axis] = X.translation()[static_cast<Eigen::Index>(axis)];
-  target.rpy_rad = {std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
-                    std::atan2(R(1, 0), R(0, 0))};
-  return target;
 }
 
 // The side of the limb that moves. The trunk has that of its support, and the left one on both feet.

@@ -210,9 +210,7 @@ class Flattener {
   // The share of its way that a joint has covered at this share of the move's time, 2^-12, if it turns
   // evenly.
   static double share_of_way(const StepSource& step, std::size_t joint, std::uint16_t time) {
-    motion::Window part;
-    for (const motion::Window& window : step.windows)
-      if ((window.joints >> joint & 1U) != 0) part = window;
+    const motion::Window part = simulation::window_of(step, joint);
     return std::clamp((static_cast<double>(time) - part.start) / (part.end - part.start), 0.0, 1.0);
   }
 

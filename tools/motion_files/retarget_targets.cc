@@ -278,7 +278,7 @@ class Retargeter {
                            : (support_ == BodyTargets::Support::kLeft) == (side == 0) ? 0.0
                                                                                       : 1.0;
       const Isometry3d X_SSole = X_SB * from_.sole_B(side);
-      targets.feet[side] = target_of(
+      targets.feet[side] = reachable(
           scaled(X_SSole.translation(), sign * share * from_.hip_width_m, sign * share * to_.hip_width_m),
           rpy_of(X_SSole.linear()));
     }
@@ -287,7 +287,7 @@ class Retargeter {
     const Vector3d trunk_rpy = rpy_of(X_SB.linear());
     for (int lowering = 0; lowering <= kMostLowerings; ++lowering) {
       const double height_m = scale_ * hips_S.z() * (1.0 - kLowering * lowering);
-      targets.trunk = target_of({scale_ * hips_S.x(), scale_ * hips_S.y(), height_m}, trunk_rpy);
+      targets.trunk = reachable({scale_ * hips_S.x(), scale_ * hips_S.y(), height_m}, trunk_rpy);
       targets.com.position_m = {com_S.x(), com_S.y(), std::nullopt};
       simulation::BodySolution solution = simulation::solve_targets(to_.robot(), targets, result_angles_);
       if (!solution.unreached.empty()) continue;
@@ -321,8 +321,8 @@ class Retargeter {
   }
 
   // A robot without hip yaw keeps the headings of its feet.
-  simulation::Target target_of(const Vector3d& p, const Vector3d& rpy) const {
-    simulation::Target target{.position_m = {p.x(), p.y(), p.z()}, .rpy_rad = {rpy.x(), rpy.y(), rpy.z()}};
+  simulation::Target reachable(const Vector3d& p, const Vector3d& rpy) const {
+    simulation::Target target = simulation::target_of(p, rpy);
     if (!to_.robot().model.find(JointRole::kLeftHipYaw)) target.rpy_rad[2].reset();
     return target;
   }

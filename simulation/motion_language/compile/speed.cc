@@ -97,11 +97,8 @@ class SpeedCheck {
 
   // The share of the move's time in which a joint turns.
   static double share_of(const StepSource& step, std::size_t joint) {
-    for (const motion::Window& window : step.windows) {
-      if ((window.joints >> joint & 1u) != 0)
-        return static_cast<double>(window.end - window.start) / motion::Window::kWhole;
-    }
-    return 1.0;
+    const motion::Window window = window_of(step, joint);
+    return static_cast<double>(window.end - window.start) / motion::Window::kWhole;
   }
 
   double distance_rad(std::size_t joint, const PoseSource& pose) const {

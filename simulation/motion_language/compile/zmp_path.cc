@@ -253,11 +253,6 @@ class Run {
       X.translation() = a.translation() + share * (b.translation() - a.translation());
       return X;
     };
-    const auto target_of = [](const Isometry3d& X) {
-      const Vector3d p = X.translation();
-      const Vector3d rpy = rpy_of(X.linear());
-      return Target{.position_m = {p.x(), p.y(), p.z()}, .rpy_rad = {rpy.x(), rpy.y(), rpy.z()}};
-    };
     const Vector3d hips_B = 0.5 * (vector_of(legs_[0].p_BH_B) + vector_of(legs_[1].p_BH_B));
     BodyTargets targets;
     targets.support = support_ == 0 ? BodyTargets::Support::kLeft : BodyTargets::Support::kRight;

@@ -265,6 +265,13 @@ bool Target::is_given() const {
          std::any_of(rpy_rad.begin(), rpy_rad.end(), has_value);
 }
 
+Target target_of(const Vector3d& position_m, const Vector3d& rpy_rad) {
+  return {.position_m = {position_m.x(), position_m.y(), position_m.z()},
+          .rpy_rad = {rpy_rad.x(), rpy_rad.y(), rpy_rad.z()}};
+}
+
+Target target_of(const Isometry3d& X) { return target_of(X.translation(), rpy_of(X.linear())); }
+
 bool BodyTargets::moves_legs() const {
   return trunk.is_given() || com.is_given() || feet[0].is_given() || feet[1].is_given();
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <optional>
 #include <span>
@@ -18,6 +19,10 @@ struct Target {
 
   bool is_given() const;
 };
+
+// The target that gives all coordinates: a point in m, and roll, pitch and yaw in rad.
+[[nodiscard]] Target target_of(const Eigen::Vector3d& position_m, const Eigen::Vector3d& rpy_rad);
+[[nodiscard]] Target target_of(const Eigen::Isometry3d& X);
 
 struct BodyTargets {
   enum class Support { kLeft, kRight, kBoth };

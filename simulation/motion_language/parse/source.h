@@ -108,6 +108,14 @@ struct StepSource {
   std::optional<motion::LeanDeclaration> lean = {};  // kLean, kMove
 };
 
+// The part of a move's time in which a joint turns.
+[[nodiscard]] inline motion::Window window_of(const StepSource& move, std::size_t joint) {
+  for (const motion::Window& window : move.windows) {
+    if ((window.joints >> joint & 1u) != 0) return window;
+  }
+  return {};
+}
+
 struct RoutineSource {
   std::string name;
   Place place = {};
