@@ -6,6 +6,7 @@ import os
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import unittest
 
@@ -146,12 +147,14 @@ class Help(unittest.TestCase):
         if re.match(r"can (sdo|nmt|send)", arguments):
             arguments += " --can socketcan:vcan_none"
         command = f"exec {shlex.quote(str(PROGRAM.path))} {arguments}"
-        with subprocess.Popen(command, shell=True, cwd=self.folder, env={**os.environ, "TMPDIR": str(self.folder), "SLURM_CONF": str(self.folder / "no_slurm.conf")}, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                              stdin=subprocess.DEVNULL, text=True) as process:
+        environment = {**os.environ, "TMPDIR": str(self.folder), "SLURM_CONF": str(self.folder / "no_slurm.conf")}
+        # In a session of its own: what the command has started ends with it, instead of holding its pipes open.
+        with subprocess.Popen(command, shell=True, cwd=self.folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              stdin=subprocess.DEVNULL, text=True, start_new_session=True) as process:
             try:
                 _, errors = process.communicate(timeout=patience_s)
             except subprocess.TimeoutExpired:
-                process.kill()
+                os.killpg(process.pid, signal.SIGKILL)
                 process.communicate()
                 return 0, ""
             return process.returncode, errors
