@@ -60,11 +60,11 @@ lab::ChildResult call(const lab::JobFile& job, const fs::path& folder, const std
 
 // The command that follows the options, without a "--" before it. Throws InputError.
 std::vector<std::string> lab_command_of(std::vector<std::string> words) {
-  static const std::vector<std::string> kShared{"experiment", "tune"};
+  static const std::vector<std::string> kShared{"experiment", "tune", "learn"};
   if (!words.empty() && words.front() == "--") words.erase(words.begin());
   if (words.empty() || std::ranges::find(kShared, words.front()) == kShared.end())
     throw InputError("koboshi lab submit", 0, words.empty() ? "no command" : one_line(words.front()),
-                     "experiment or tune with their options, after those of submit");
+                     "experiment, tune or learn with their options, after those of submit");
   if (lab::job_command(words) != words)
     throw InputError("koboshi lab submit", 0, "--out, --jobs, --budget-s or --shard in the command",
                      "--out and --jobs before it");
@@ -162,7 +162,7 @@ int submit(const SubmitArguments& arguments, const std::vector<std::string>& wor
 void add_submit_command(CLI::App& lab, Invocation& invocation) {
   const auto arguments = std::make_shared<SubmitArguments>();
   CLI::App* command =
-      lab.add_subcommand("submit", "Play the shards of an experiment or a search on a cluster");
+      lab.add_subcommand("submit", "Play the shards of an experiment, a search or a training on a cluster");
   command->prefix_command();
   command->footer(
       "Submits a Slurm job array, or runs GNU parallel over ssh until all shards are played. The folder and\n"

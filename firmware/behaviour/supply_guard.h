@@ -54,7 +54,7 @@ class SupplyGuard {
   void reset() { *this = {}; }
 
   [[nodiscard]] bool low() const { return low_; }
-  // Of the last reading: the open-circuit voltage, and the sag by the load; 0 before the first. They
+  // The last reading: the open-circuit voltage, and the sag by the load; 0 before the first. They
   // saturate.
   [[nodiscard]] std::uint16_t open_circuit_mV() const { return open_circuit_mV_; }
   [[nodiscard]] std::int16_t load_sag_mV() const { return load_sag_mV_; }

@@ -13,7 +13,7 @@ struct Ground {
   bool valid = false;
   fixed::Ratio slope_x;
   fixed::Ratio slope_y;
-  // What the attitude shows beyond the slope.
+  // The part of the attitude beyond the slope.
   fixed::Ratio zero_x;
   fixed::Ratio zero_y;
 };

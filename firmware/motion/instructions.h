@@ -272,7 +272,7 @@ struct DriveShare {
 };
 
 using Stiffness = DriveShare<Opcode::kStiffness, 0, 100>;  // of the full torque
-// Of the gain of the position loop. Beyond twice the gain, delays of a small servo make its loop swing.
+// Range of the gain of the position loop. Beyond twice the gain, delays of a small servo make its loop swing.
 using Gain = DriveShare<Opcode::kGain, 1, 200>;
 
 // A lean of the trunk.

@@ -19,7 +19,8 @@ std::int32_t signal_of(fixed::Ratio ratio) { return ratio.raw() >> 6; }
 std::int32_t signal_of(fixed::Length length) { return bounded(length.raw()); }
 std::int32_t signal_of(fixed::Force force) { return bounded(force.raw()); }
 
-// Of two angles in 2^-24 turn, 10 ms apart: |difference| * 100 < 2^31, since a joint has at most a turn.
+// Speed from two angles in 2^-24 turn, 10 ms apart: |difference| * 100 < 2^31, since a joint has at most a
+// turn.
 std::int32_t rate_of(std::int32_t difference) { return bounded(difference * 100 >> 4); }
 
 }  // namespace

@@ -36,10 +36,10 @@ enum class Signal : std::uint8_t {
   kOutput = kJointTarget + robot::kMaxJoints,     // the offset of output k in the last cycle; 2^-24 turn
 };
 inline constexpr std::size_t kSignals = static_cast<std::size_t>(Signal::kOutput) + kMaxOutputs;
-// Of every signal.
+// Bound of every signal.
 inline constexpr std::int32_t kMaxSignal = (1 << 30) - 1;
 
-// What a policy may know of a cycle.
+// All that a policy may know of a cycle.
 struct Observation {
   const estimation::RobotState& robot;
   std::span<const fixed::Angle> angles;   // measured, of all joints

@@ -26,8 +26,9 @@ struct WalkParameters {
     std::int16_t max_forward = 0;  // in front and behind
     std::int16_t max_lateral = 0;
     std::int16_t min_lateral = 0;
-    // What servos that yield take from a step is added to its plan: a share of it backward and to the side,
-    // and a length in each step forward, by which the feet of a robot that steps on the spot land behind.
+    // Servos that yield shorten a step; the loss is added to its plan: a share of it backward and to the
+    // side, and a length in each step forward, by which the feet of a robot that steps on the spot land
+    // behind.
     std::int16_t lengthening = 0;
     std::int16_t forward_offset = 0;
 

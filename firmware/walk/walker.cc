@@ -355,7 +355,7 @@ void Walker::plan_landing() {
 // quarter of the CoM's height, which is half of the length of the default robot's sole.
 void Walker::judge_error() {
   if (phase_ != Phase::kStepping || !reference()) return;
-  // What the sole holds needs no step, and no divisions.
+  // A push that the sole holds needs no step, and no divisions.
   if (fixed::abs(dcm_error_.x) <= gait_.dead_band && fixed::abs(dcm_error_.y) <= gait_.dead_band) {
     error_percent_ = 0;
     return;

@@ -48,8 +48,8 @@ constexpr std::array<std::pair<Share, double>, 5> kParts{{{&sim_board::TimeShare
                                                           {&sim_board::TimeShares::physics_s, 1.0},
                                                           {&sim_board::TimeShares::sensors_s, 1.0}}};
 
-// What reading the clock takes: the excess of each timing. The least of some attempts, which no other program
-// has interrupted.
+// Reading the clock takes this time, the excess of each timing. The least of some attempts, which no other
+// program has interrupted.
 double clock_s() {
   constexpr int kAttempts = 20;
   constexpr int kReadings = 500;

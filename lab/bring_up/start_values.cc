@@ -582,7 +582,7 @@ std::string parameters_text(const StartValues& values, const std::string& origin
 StandingPose standing_pose(const StartValues& values, const simulation::NamedModel& model,
                            const std::string& origin) {
   constexpr int kMostChanges = 20;
-  // What keeps the robot from its own height, not from the lowest one.
+  // The reason that keeps the robot from its own height, not from the lowest one.
   std::string first_fault;
   for (const bool with_all : {true, false}) {
     double height_m = values.com_height_m;

@@ -29,7 +29,7 @@ struct ShardProgress {
   [[nodiscard]] bool is_complete() const { return remaining == 0; }
 };
 
-// What all shards of a folder have finished.
+// The trials that all shards of a folder have finished.
 class ShardedTrials {
  public:
   // `experiment` outlives this object. `batch` is that of the engine.

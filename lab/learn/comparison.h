@@ -29,7 +29,7 @@ struct ComparedTrial {
   Outcome outcome = Outcome::kSurvived;
   std::string error{};
   bool lost = false;
-  // Of trials that were not lost.
+  // Empty where the trial was lost.
   std::optional<double> drift_m_per_s{};  // distance from where the command leads to, over the time
   std::optional<double> power_W{};
   std::optional<double> lean_rad{};  // root mean square of the trunk's angle from the vertical

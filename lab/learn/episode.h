@@ -38,7 +38,7 @@ class EpisodePlayer {
   // `overrides` are those of the scenario. Throws InputError.
   EpisodePlayer(const std::filesystem::path& scenario, std::span<const Override> overrides);
 
-  // What is commanded and done to the robot.
+  // The commands, and the pushes that the robot gets.
   struct Course {
     std::string world = "mild";
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
@@ -58,7 +58,7 @@ class EpisodePlayer {
 
   [[nodiscard]] const simulation::NamedModel& model() const { return prepared_->model; }
   [[nodiscard]] const simulation::Scenario& scenario() const { return start_.scenario; }
-  // Of two steps.
+  // Duration of two steps.
   [[nodiscard]] double cycle_s() const { return cycle_s_; }
   [[nodiscard]] double full_speed_m_per_s() const { return full_speed_m_per_s_; }
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
@@ -13,11 +15,12 @@
 #include "base/file/output_folder.h"
 #include "base/table/table.h"
 #include "base/text/error.h"
+#include "lab/cluster/search_trials.h"
+#include "lab/experiment/field_table.h"
 #include "lab/experiment/files.h"
 #include "lab/learn/episode.h"
 #include "lab/learn/mirrored_network.h"
 #include "lab/trial/trial_recordings.h"
-#include "simulation/batch/parallel.h"
 #include "simulation/policy/signal_names.h"
 #include "simulation/scenario/reader.h"
 #include "tools/plot/figure.h"
@@ -47,12 +50,50 @@ struct Sums {
   double survived = 0.0;
 };
 
+// What the training needs to know of an episode, as a shard keeps it.
+const FieldTable<Episode>& episode_fields() {
+  using T = Episode;
+  static const FieldTable<T> kFields{outcome_fields<T>(&T::outcome),
+                                     Fields<T>{{{"walk_s"}, &T::walk_s},
+                                               {{"drift_m_per_s"}, &T::drift_m_per_s},
+                                               {{"turn_rad_per_s"}, &T::turn_rad_per_s},
+                                               {{"power_W"}, &T::power_W},
+                                               {{"lean_rad2"}, &T::lean_rad2},
+                                               {{"offset"}, &T::offset},
+                                               {{"policy_stopped"}, &T::policy_stopped}}};
+  return kFields;
+}
+
+TrialFormat episode_format() { return {"learn", episode_fields().metrics()}; }
+
+// The images of some networks, each made when it is first asked for, from any thread: a shard plays a part of
+// them.
+class LazyImages {
+ public:
+  using Make = std::function<std::vector<std::byte>(std::size_t)>;
+
+  LazyImages(std::size_t count, Make make)
+      : make_(std::move(make)), once_(std::make_unique<std::once_flag[]>(count)), images_(count) {}
+
+  const std::vector<std::byte>& at(std::size_t i) {
+    std::call_once(once_[i], [&] { images_[i] = make_(i); });
+    return images_[i];
+  }
+
+ private:
+  const Make make_;
+  const std::unique_ptr<std::once_flag[]> once_;
+  std::vector<std::vector<std::byte>> images_;
+};
+
 class Training {
  public:
-  Training(const LearningStudy& study, const TrainingOptions& options,
-           const std::function<void(const TrainingProgress&)>& progress)
+  // With an empty folder in the options, the training writes nothing.
+  Training(const LearningStudy& study, const TrainingOptions& options, SearchTrials& trials,
+           const ShowTraining& progress)
       : study_(study),
         options_(options),
+        trials_(trials),
         progress_(progress),
         overrides_(episode_overrides(study, options)),
         player_(study.scenario, overrides_),
@@ -61,23 +102,32 @@ class Training {
 
   TrainingResult run() {
     begin();
-    const std::uint64_t until = options_.until == 0
-                                    ? study_.generations
-                                    : std::min<std::uint64_t>(options_.until, study_.generations);
-    while (evolution_->state().generation < until) generation();
-    if (evolution_->state().generation == study_.generations) finish();
+    while (evolution_->state().generation < last_generation()) generation();
+    if (writes() && evolution_->state().generation == study_.generations) finish();
     return {now_.validations.front(), now_.validations.at(now_.best), evolution_->state().generation};
   }
 
+  std::string inputs() const;
+  // Generations that are finished, and the last one of this call.
+  std::uint64_t done() const { return evolution_ ? evolution_->state().generation : 0; }
+  std::uint64_t last_generation() const {
+    return options_.until == 0 ? study_.generations
+                               : std::min<std::uint64_t>(options_.until, study_.generations);
+  }
+
  private:
+  bool writes() const { return !options_.out.empty(); }
   std::filesystem::path file(const char* name) const { return options_.out / name; }
 
   void begin();
   void generation();
   void advance(double survived);
+  using DrawCourse = std::function<EpisodePlayer::Course(std::uint64_t seed)>;
+  std::vector<Episode> play(const std::string& phase, const std::vector<std::vector<double>>& networks,
+                            const DrawCourse& draw, std::uint64_t first_seed, std::size_t seeds) const;
   Sums play_candidates(const std::vector<std::vector<double>>& candidates, std::vector<double>& scores) const;
   void validate();
-  ValidationMean mean_of_validation(std::span<const std::byte> image) const;
+  ValidationMean mean_of_validation(const std::vector<double>& weights) const;
   tools::QuantisedPolicy quantised(std::span<const double> weights,
                                    const std::vector<std::vector<double>>& rows) const;
   std::vector<std::byte> image_of(std::span<const double> weights) const {
@@ -103,7 +153,8 @@ class Training {
 
   const LearningStudy& study_;
   const TrainingOptions& options_;
-  const std::function<void(const TrainingProgress&)>& progress_;
+  SearchTrials& trials_;
+  const ShowTraining& progress_;
   const std::vector<Override> overrides_;
   const EpisodePlayer player_;
   const tools::PolicyMap map_;
@@ -117,14 +168,19 @@ tools::QuantisedPolicy Training::quantised(std::span<const double> weights,
   return tools::quantise(network_.network(weights), map_, rows, player_.model(), study_.file);
 }
 
-void Training::begin() {
+std::string Training::inputs() const {
   std::vector<std::filesystem::path> files{study_.file};
   for (const std::filesystem::path& each : simulation::input_files(player_.scenario())) files.push_back(each);
   std::vector<std::string> texts;
   for (const Override& item : overrides_) texts.insert(texts.end(), {item.path, item.value});
-  const std::string inputs = hash_inputs(files, texts);
-  if (auto found = read_checkpoint(file("state.json"))) {
-    if (found->inputs != inputs)
+  return hash_inputs(files, texts);
+}
+
+void Training::begin() {
+  now_.inputs = inputs();
+  auto found = writes() ? read_checkpoint(file("state.json")) : std::nullopt;
+  if (found) {
+    if (found->inputs != now_.inputs)
       throw InputError(file("state.json"), 0, "a training with another study, robot or program",
                        "the same ones, or another folder by --out");
     if (found->evolution.mean.size() != network_.parameters())
@@ -136,25 +192,40 @@ void Training::begin() {
     if (error) throw WriteError(file("log.jsonl"), error.value());
     return;
   }
-  now_.inputs = inputs;
   evolution_.emplace(evolution_options(), network_.start(study_.seed));
-  write_whole_file(file("log.jsonl"), "");
+  if (writes()) write_whole_file(file("log.jsonl"), "");
   validate();
   save("");
 }
 
+// The episodes of these networks, network by network, each with the same seeds. The phase names them in the
+// files of shards: with the inputs, it decides on the networks.
+std::vector<Episode> Training::play(const std::string& phase,
+                                    const std::vector<std::vector<double>>& networks, const DrawCourse& draw,
+                                    std::uint64_t first_seed, std::size_t seeds) const {
+  LazyImages images(networks.size(), [&](std::size_t i) { return image_of(networks[i]); });
+  Experiment experiment{.name = episode_format().experiment, .inputs = now_.inputs};
+  for (std::size_t i = 0; i < networks.size(); ++i)
+    experiment.cells.push_back({.name = fmt::format("{}, network {}", phase, i + 1), .settings = {}});
+  set_trials(experiment, episode_fields(), [&](std::size_t cell, std::uint64_t seed) {
+    return player_.play(images.at(cell), draw(seed), seed);
+  });
+  std::vector<SearchTrial> trials;
+  for (std::size_t i = 0; i < networks.size() * seeds; ++i)
+    trials.push_back({&experiment, {.cell = i / seeds, .seed = first_seed + i % seeds, .record = {}}});
+  trials_.play(trials, [](std::size_t) {});
+  std::vector<Episode> played;
+  for (const SearchTrial& each : trials) played.push_back(episode_fields().trial(each.trial.record));
+  return played;
+}
+
 Sums Training::play_candidates(const std::vector<std::vector<double>>& candidates,
                                std::vector<double>& scores) const {
-  std::vector<std::vector<std::byte>> images(candidates.size());
-  simulation::for_each_parallel(candidates.size(), options_.jobs,
-                                [&](std::size_t i) { images[i] = image_of(candidates[i]); });
   const LearningStage& stage = study_.stages[now_.stage];
-  const std::uint64_t first_seed = study_.first_seed + evolution_->state().generation * study_.episodes;
-  std::vector<Episode> played(candidates.size() * study_.episodes);
-  simulation::for_each_parallel(played.size(), options_.jobs, [&](std::size_t i) {
-    const std::uint64_t seed = first_seed + i % study_.episodes;
-    played[i] = player_.play(images[i / study_.episodes], draw_course(stage, study_.walk_s, seed), seed);
-  });
+  const std::vector<Episode> played = play(
+      fmt::format("generation {}", done() + 1), candidates,
+      [&](std::uint64_t seed) { return draw_course(stage, study_.walk_s, seed); },
+      study_.first_seed + done() * study_.episodes, study_.episodes);
   Sums sums;
   scores.assign(candidates.size(), 0.0);
   const double share = 1.0 / static_cast<double>(played.size());
@@ -205,11 +276,11 @@ void Training::advance(double survived) {
   now_.survived.clear();
 }
 
-ValidationMean Training::mean_of_validation(std::span<const std::byte> image) const {
-  std::vector<Episode> played(study_.validation_episodes);
-  simulation::for_each_parallel(played.size(), options_.jobs, [&](std::size_t i) {
-    played[i] = player_.play(image, validation_course(validation_seed(i)), validation_seed(i));
-  });
+ValidationMean Training::mean_of_validation(const std::vector<double>& weights) const {
+  const std::vector<Episode> played = play(
+      fmt::format("validation after {}", done()), {weights},
+      [this](std::uint64_t seed) { return validation_course(seed); }, validation_seed(0),
+      study_.validation_episodes);
   ValidationMean mean{.generation = evolution_->state().generation};
   const double share = 1.0 / static_cast<double>(played.size());
   for (const Episode& episode : played) {
@@ -228,13 +299,13 @@ ValidationMean Training::mean_of_validation(std::span<const std::byte> image) co
 // The first validation is that of the engine alone: the outputs of the first network are zero.
 void Training::validate() {
   const std::vector<double>& weights = evolution_->state().mean;
-  now_.validations.push_back(mean_of_validation(image_of(weights)));
+  now_.validations.push_back(mean_of_validation(weights));
   const bool is_best =
       now_.validations.size() == 1 || now_.validations.back().reward > now_.validations[now_.best].reward;
   if (!is_best) return;
   now_.best = now_.validations.size() - 1;
   now_.best_weights = weights;
-  write_best();
+  if (writes()) write_best();
 }
 
 void Training::write_best() const {
@@ -248,6 +319,7 @@ void Training::write_best() const {
 
 // The log first: what it has beyond the state is removed when the training resumes.
 void Training::save(const std::string& log_line) {
+  if (!writes()) return;
   OutputFile log(file("log.jsonl"), OutputFile::Mode::kAppend);
   log.write(log_line);
   log.close();
@@ -341,10 +413,61 @@ std::string Training::report(const tools::QuantisedPolicy& policy, std::size_t r
 }  // namespace
 
 TrainingResult train(const LearningStudy& study, const TrainingOptions& options,
-                     const std::function<void(const TrainingProgress&)>& progress) {
+                     const ShowTraining& progress) {
   std::filesystem::create_directories(options.out);
   const FolderLock lock(options.out);
-  return Training(study, options, progress).run();
+  const auto trials = make_passing_trials(options.jobs);
+  return Training(study, options, *trials, progress).run();
+}
+
+std::string training_inputs(const LearningStudy& study, const TrainingOptions& options) {
+  const auto none = make_no_trials();
+  const ShowTraining silent;
+  return Training(study, options, *none, silent).inputs();
+}
+
+TrainingResult play_training_shard(const LearningStudy& study, const TrainingOptions& options,
+                                   const Shard& shard, const ShowTraining& progress) {
+  const auto trials = make_shard_trials(options.out, shard, episode_format(), options.jobs);
+  TrainingOptions silent = options;
+  silent.out.clear();
+  return Training(study, silent, *trials, progress).run();
+}
+
+TrainingResult merge_training(const LearningStudy& study, const TrainingOptions& options, std::size_t shards,
+                              const ShowTraining& progress) {
+  TrainingResult result;
+  std::string so_far;
+  const auto merge = [&](const std::filesystem::path& folder) {
+    TrainingOptions beside = options;
+    beside.out = folder;
+    const auto trials = make_merged_trials(options.out, shards, episode_format(), {});
+    Training training(study, beside, *trials, progress);
+    try {
+      result = training.run();
+    } catch (const TrialsMissing&) {
+      so_far = fmt::format("{} of {} generations", training.done(), training.last_generation());
+      throw;
+    }
+  };
+  merge_into(options.out, merge, [&] { return so_far; });
+  return result;
+}
+
+std::vector<ShardProgress> training_progress(const LearningStudy& study, const TrainingOptions& options,
+                                             std::size_t shards) {
+  const auto trials = make_merged_trials(options.out, shards, episode_format(), {});
+  TrainingOptions silent = options;
+  silent.out.clear();
+  const ShowTraining nobody;
+  Training training(study, silent, *trials, nobody);
+  std::size_t left = 0;
+  try {
+    static_cast<void>(training.run());
+  } catch (const TrialsMissing& error) {
+    left = error.missing + (training.last_generation() - training.done()) * study.population * study.episodes;
+  }
+  return search_progress(options.out, shards, left);
 }
 
 }  // namespace koboshi::lab

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "base/yaml/yaml_tree.h"
+#include "lab/cluster/shard.h"
+#include "lab/cluster/shard_run.h"
 #include "lab/learn/checkpoint.h"
 #include "lab/learn/learning_study.h"
 
@@ -30,6 +32,8 @@ struct TrainingProgress {
   ValidationMean best{};
 };
 
+using ShowTraining = std::function<void(const TrainingProgress&)>;
+
 struct TrainingResult {
   ValidationMean engine{};  // without a policy, in the validation's episodes
   ValidationMean best{};
@@ -43,6 +47,26 @@ struct TrainingResult {
 // validation; report.md, curve.png and best.mcap at the end. Throws InputError, also for the folder of a
 // training with other inputs.
 [[nodiscard]] TrainingResult train(const LearningStudy& study, const TrainingOptions& options,
-                                   const std::function<void(const TrainingProgress&)>& progress = {});
+                                   const ShowTraining& progress = {});
+
+// The same training in shards, each of which plays its part of the episodes of every generation and of every
+// validation (lab/cluster/search_trials.h).
+
+// A hash of all on which the episodes depend, beside their candidates and seeds.
+[[nodiscard]] std::string training_inputs(const LearningStudy& study, const TrainingOptions& options);
+
+// Plays a shard until the training has ended. The folder of the options gets its episodes only.
+TrainingResult play_training_shard(const LearningStudy& study, const TrainingOptions& options,
+                                   const Shard& shard, const ShowTraining& progress = {});
+
+// Leaves the files that train() leaves. Throws InputError if episodes are missing; the folder is then
+// unchanged.
+[[nodiscard]] TrainingResult merge_training(const LearningStudy& study, const TrainingOptions& options,
+                                            std::size_t shards, const ShowTraining& progress = {});
+
+// How far the shards are: each has a part of the generations that are not complete.
+[[nodiscard]] std::vector<ShardProgress> training_progress(const LearningStudy& study,
+                                                           const TrainingOptions& options,
+                                                           std::size_t shards);
 
 }  // namespace koboshi::lab

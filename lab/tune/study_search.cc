@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "base/file/output_file.h"
 #include "base/file/output_folder.h"
 #include "base/text/text.h"
+#include "lab/cluster/search_trials.h"
 #include "lab/experiment/files.h"
 #include "lab/experiment/report.h"
 #include "lab/trial/getting_up.h"
@@ -20,7 +20,6 @@
 #include "lab/tune/infeasible.h"
 #include "lab/tune/lost_trials.h"
 #include "lab/tune/optimiser.h"
-#include "lab/tune/search_trials.h"
 #include "simulation/disturbance/world_text.h"
 #include "simulation/record/summary.h"
 #include "simulation/scenario/reader.h"
@@ -390,13 +389,7 @@ void check_shards(const StudyOptions& options) {
   if (options.method != Method::kCmaEs) throw InputError("--search", 0, "nsga-2 in shards", "cma-es");
 }
 
-// For what is asked without playing.
-class NoTrials : public SearchTrials {
- public:
-  void play(std::vector<SearchTrial>& trials, const TrialFinished&) override {
-    throw TrialsMissing(trials.size(), trials.size());
-  }
-};
+TrialFormat trial_format() { return {"study", trial_fields().metrics()}; }
 
 }  // namespace
 
@@ -414,7 +407,7 @@ std::vector<std::filesystem::path> study_files(const Study& study,
 SearchResult search_study(const Study& study, const StudyOptions& options, const ShowProgress& progress) {
   std::filesystem::create_directories(options.out);
   const FolderLock lock(options.out);
-  const auto trials = make_local_trials(options.out / kTrials, trial_fields().metrics(), options.jobs);
+  const auto trials = make_local_trials(options.out / kTrials, trial_format(), options.jobs);
   return StudySearch(study, options, *trials, progress).search();
 }
 
@@ -422,8 +415,8 @@ std::string study_inputs(const Study& study, const StudyOptions& options) {
   check_shards(options);
   StudyOptions silent = options;
   silent.out.clear();
-  NoTrials none;
-  const StudySearch search(study, silent, none, {});
+  const auto none = make_no_trials();
+  const StudySearch search(study, silent, *none, {});
   std::vector<double> durations_s;
   return search.make_experiment(search.start_values(), durations_s).inputs;
 }
@@ -431,7 +424,7 @@ std::string study_inputs(const Study& study, const StudyOptions& options) {
 SearchResult play_study_shard(const Study& study, const StudyOptions& options, const Shard& shard,
                               const ShowProgress& progress) {
   check_shards(options);
-  const auto trials = make_shard_trials(options.out, shard, trial_fields().metrics(), options.jobs);
+  const auto trials = make_shard_trials(options.out, shard, trial_format(), options.jobs);
   StudyOptions silent = options;
   silent.out.clear();
   return StudySearch(study, silent, *trials, progress).search();
@@ -440,27 +433,19 @@ SearchResult play_study_shard(const Study& study, const StudyOptions& options, c
 SearchResult merge_study(const Study& study, const StudyOptions& options, std::size_t shards,
                          const ShowProgress& progress) {
   check_shards(options);
-  const FolderLock lock(options.out);
-  // The results go into the folder only once they are complete.
-  StudyOptions beside = options;
-  beside.out = options.out / "merging";
-  std::filesystem::remove_all(beside.out);
-  std::filesystem::create_directory(beside.out);
-  const auto trials = make_merged_trials(options.out, shards, trial_fields().metrics(), beside.out / kTrials);
-  StudySearch search(study, beside, *trials, progress);
   SearchResult result;
-  try {
-    result = search.search();
-  } catch (const TrialsMissing& error) {
-    std::filesystem::remove_all(beside.out);
-    throw InputError(options.out, 0,
-                     fmt::format("incomplete shards: {} of {} trials are missing after {} of {} evaluations",
-                                 error.missing, error.all, search.done(), options.evaluations),
-                     "those of a whole search (koboshi lab submit runs the shards)");
-  }
-  for (const auto& entry : std::filesystem::directory_iterator(beside.out))
-    std::filesystem::rename(entry.path(), options.out / entry.path().filename());
-  std::filesystem::remove(beside.out);
+  std::size_t done = 0;
+  const auto merge = [&](const std::filesystem::path& folder) {
+    StudyOptions beside = options;
+    beside.out = folder;
+    const auto trials = make_merged_trials(options.out, shards, trial_format(), folder / kTrials);
+    result = StudySearch(study, beside, *trials, [&](const SearchProgress& now) {
+               done = now.done;
+               if (progress) progress(now);
+             }).search();
+  };
+  merge_into(options.out, merge,
+             [&] { return fmt::format("{} of {} evaluations", done, options.evaluations); });
   return result;
 }
 
@@ -469,26 +454,17 @@ std::vector<ShardProgress> study_progress(const Study& study, const StudyOptions
   check_shards(options);
   StudyOptions silent = options;
   silent.out.clear();
-  const auto trials = make_merged_trials(options.out, shards, trial_fields().metrics(), {});
+  const auto trials = make_merged_trials(options.out, shards, trial_format(), {});
   StudySearch search(study, silent, *trials, {});
-  bool complete = true;
+  std::size_t left = 0;
   try {
     static_cast<void>(search.search());
-  } catch (const TrialsMissing&) {
-    complete = false;
+  } catch (const TrialsMissing& error) {
+    // As many trials as all candidates have that are not evaluated, if all of them are feasible.
+    left = std::max(error.missing, (options.evaluations - std::min(options.evaluations, search.done())) *
+                                       options.seeds * study.trials.size());
   }
-  // As many trials as all candidates have that are not evaluated, if all of them are feasible.
-  const std::size_t left = complete ? 0
-                                    : (options.evaluations - std::min(options.evaluations, search.done())) *
-                                          options.seeds * study.trials.size();
-  std::vector<ShardProgress> progress;
-  for (std::size_t i = 1; i <= shards; ++i) {
-    std::ifstream file(shard_file(options.out, {i, shards}), std::ios::binary);
-    const auto lines = std::count(std::istreambuf_iterator<char>(file), {}, '\n');
-    progress.push_back({.finished = static_cast<std::size_t>(lines),
-                        .remaining = complete ? 0 : std::max<std::size_t>(1, left / shards)});
-  }
-  return progress;
+  return search_progress(options.out, shards, left);
 }
 
 }  // namespace koboshi::lab

@@ -18,8 +18,8 @@ enum class Method {
 
 struct StudyOptions : SearchOptions {
   Method method = Method::kCmaEs;
-  // Of CMA-ES: populations that search beside each other, each from the start with random numbers of its own.
-  // The evaluations are those of all of them.
+  // CMA-ES only: populations that search beside each other, each from the start with random numbers of its
+  // own. The evaluations are those of all of them.
   std::size_t islands = 1;
   // Generations after which each island takes the best candidate of the one before it as its mean, if that is
   // better than all of its own. 0: never.

@@ -32,7 +32,7 @@ constexpr double kImpactTimes = 3.0;
 constexpr double kTangentStiffness = 2.0 / 7.0;
 constexpr double kTangentDamping = 0.5;  // of the critical one; by hand, a box stops trembling in two periods
 
-// What a body may touch: ground, a link's box or another body.
+// A body may touch the ground, a link's box or another body.
 struct Touchable {
   Solid solid;
   int link = -1;                             // of the robot
@@ -58,7 +58,7 @@ struct CarrierMotion {
   Vector3d at(const Vector3d& p_W) const { return v_W + w_W.cross(p_W - com_W); }
 };
 
-// What a body does to a link's box in a step.
+// The effect of a body on a link's box in a step.
 struct LinkReaction {
   Vector3d impulse_W = Vector3d::Zero();  // on the link, N s
   Vector3d moment_L = Vector3d::Zero();  // sum of points in the link's frame times the size of their impulses
@@ -117,7 +117,7 @@ class FreeBodiesWorld final : public ForwardingWorld {
   std::vector<PointMemory> touches_;  // by body, other and point
   std::vector<double> lambdas_;       // of the bounce law, by body and other
   int parts_ = 1;
-  // Of the present step:
+  // The present step alone:
   std::vector<Touchable> others_;
   std::vector<bool> is_near_;                // by body and other
   std::vector<BodyState> links_;             // at its beginning

@@ -113,7 +113,7 @@ class JointRobot {
   [[nodiscard]] sim_board::SimBoard& board() { return *power_->board; }
 
  private:
-  // What lives from one power-on to the next.
+  // The parts that live from one power-on to the next.
   struct Power final : sim_board::ControllerHost {
     Power(const JointScenario& prepared, const Scenario& scenario);
     void exchange(const hal::BatchInput&, hal::BatchOutput& output) override { output = master.respond(); }

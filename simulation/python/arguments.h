@@ -31,7 +31,7 @@ StreamSet stream_set(const pybind11::object& targets_rad, const pybind11::object
 std::vector<StreamSet> stream_sets(const pybind11::object& targets_rad,
                                    const pybind11::object& torque_limits_percent, std::size_t worlds);
 
-// What a world has drawn: a text for each factor. Empty if `world` is null.
+// The draws of a world: a text for each factor. Empty if `world` is null.
 std::map<std::string, std::string> drawn_factors(const DisturbedWorld* world,
                                                  const sim_board::RobotDescription& robot);
 

@@ -9,7 +9,7 @@
 
 namespace koboshi::simulation {
 
-// What Truth is read from. The references must outlive it.
+// The sources of Truth. The references must outlive it.
 struct TrueWorld {
   GroundTruth truth;
   const sim_board::World& world;

@@ -93,6 +93,34 @@ TEST_F(Learn, GivesTheSameBytesWithTwoThreadsAndAfterAnInterruption) {
   expect_same_results("one", "three");
 }
 
+TEST_F(Learn, InShardsGivesTheBytesOfOneProgram) {
+  study_.generations = 1;
+  static_cast<void>(lab::train(study_, options("alone")));
+  const lab::TrainingOptions shards = options("shards");
+  std::filesystem::create_directories(shards.out);
+  // Shard 2 dies in the first validation, with half a line in its file; shard 1 plays the whole training
+  // alone.
+  std::ofstream(shards.out / "shard-2-of-2.jsonl") << "{\"experiment\":\"learn\",\"cell\":\"validation aft";
+  try {
+    static_cast<void>(lab::merge_training(study_, shards, 2));
+    FAIL() << "nothing has been played";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("1 of 1 trials are missing after 0 of 1 generations"));
+  }
+  EXPECT_EQ(contents("shards", "state.json"), "");
+  EXPECT_FALSE(lab::training_progress(study_, shards, 2).front().is_complete());
+  EXPECT_EQ(lab::play_training_shard(study_, shards, {1, 2}).generations, 1u);
+  EXPECT_TRUE(lab::training_progress(study_, shards, 2).back().is_complete());
+  EXPECT_EQ(contents("shards", "state.json"), "") << "only the merge leaves results";
+  static_cast<void>(lab::merge_training(study_, shards, 2));
+  expect_same_results("alone", "shards");
+  const std::string trials = contents("shards", "shard-1-of-2.jsonl");
+  EXPECT_EQ(std::ranges::count(trials, '\n'), 4) << "two validations and two candidates";
+  // The other shard has nothing left to play, but for the line that it had begun.
+  EXPECT_EQ(lab::play_training_shard(study_, shards, {2, 2}).generations, 1u);
+  EXPECT_EQ(contents("shards", "shard-2-of-2.jsonl"), "");
+}
+
 TEST_F(Learn, ResumesAfterItsLastGeneration) {
   lab::TrainingOptions first = options("out");
   first.until = 1;

@@ -110,8 +110,8 @@ class Shards(Case):
                 (("lab", "collect", self.alone), "job.json: found no such file"),
                 (("lab", "status", self.folder / "none"), "job.json: found no such file"),
                 (("lab", "submit", "--shards", "2", "--out", folder, *EXPERIMENT), "found neither, expected one of --slurm"),
-                (("lab", "submit", "--slurm", "--shards", "2", "--out", folder), "found no command, expected experiment or tune"),
-                (("lab", "submit", "--slurm", "--shards", "2", "--out", folder, "run", "x"), "found run, expected experiment or tune"),
+                (("lab", "submit", "--slurm", "--shards", "2", "--out", folder), "found no command, expected experiment, tune or learn"),
+                (("lab", "submit", "--slurm", "--shards", "2", "--out", folder, "run", "x"), "found run, expected experiment, tune or learn"),
                 (("lab", "submit", "--slurm", "--shards", "2", "--out", folder, *EXPERIMENT, "--out", "x"), "expected --out and --jobs before it"),
                 (("lab", "submit", "--slurm", "--shards", "2", "--out", self.folder / "new", *EXPERIMENT, "--stepper", "none"), "none not in"),
         ):

@@ -261,8 +261,8 @@ class Retargeter {
            (X_SB * from_.com_B).head<2>().norm() < kFarthest * from_.leg_m;
   }
 
-  // Of a foot or its counterpart in the support frame: forward and up by the legs, to the side by the hips,
-  // as far as the feet are apart there, and by the legs beyond.
+  // Place of a foot or its counterpart in the support frame: forward and up by the legs, to the side by the
+  // hips, as far as the feet are apart there, and by the legs beyond.
   Vector3d scaled(const Vector3d& p_S, double parallel_from_m, double parallel_to_m) const {
     return {scale_ * p_S.x(), parallel_to_m + scale_ * (p_S.y() - parallel_from_m), scale_ * p_S.z()};
   }

@@ -12,7 +12,7 @@ struct Solid {
   enum class Shape { kPlane, kBox, kSphere };
 
   Shape shape = Shape::kPlane;
-  // Of its centre. The z axis of a plane is its normal, the origin a point of it.
+  // The pose of its centre. The z axis of a plane is its normal, the origin a point of it.
   Eigen::Isometry3d X_WG = Eigen::Isometry3d::Identity();
   Eigen::Vector3d half_m =
       Eigen::Vector3d::Zero();  // half the edges of a box; the first is a sphere's radius

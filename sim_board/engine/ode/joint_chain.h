@@ -87,7 +87,7 @@ class JointChain {
     Eigen::Matrix3d R_WL = Eigen::Matrix3d::Identity();
     Eigen::Vector3d p_ACom_W = Eigen::Vector3d::Zero();  // from the anchor to its centre of mass
   };
-  // What follows from the poses of the two bodies and the positions of the hinges.
+  // Computed from the poses of the two bodies and the positions of the hinges.
   struct Placement {
     Eigen::Matrix3d R_WParent = Eigen::Matrix3d::Identity();  // of the model frame attached to the parent
     Eigen::Matrix3d R_WChild = Eigen::Matrix3d::Identity();

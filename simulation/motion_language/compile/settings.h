@@ -11,7 +11,7 @@
 
 namespace koboshi::simulation {
 
-// What the steps `stiffness`, `gain`, `mix` and `lean` have set so far, in the order of
+// The values that the steps `stiffness`, `gain`, `mix` and `lean` have set so far, in the order of
 // the file. A move with settings of its own restores these after it.
 class Settings {
  public:

@@ -29,7 +29,7 @@ using fixed::Angle;
 constexpr double kGravity_m_per_s2 = 9.80665;
 // The longest of the short moves: a quarter of the time constant of a pendulum of 0.2 m. By hand.
 constexpr double kLongest_s = 0.04;
-// What rounded angles of poses may move a sole that stays where it is.
+// Rounded angles of poses may move a sole that stays where it is by this much.
 constexpr double kStays_m = 0.002;
 
 using Angles = std::vector<std::optional<Angle>>;

@@ -177,7 +177,7 @@ int side_in_names(const std::string& one, const std::string& other) {
   return is_letter_of_side(*in_one, 'r') && is_letter_of_side(*in_other, 'l') ? -1 : 0;
 }
 
-// What tells the front of a pair of legs from its back: positive if `forward` is the front.
+// A figure that tells the front of a pair of legs from its back: positive if `forward` is the front.
 class FrontEvidence {
  public:
   FrontEvidence(const ImportedRobot& robot, const Vector3d& up, const Vector3d& forward)

@@ -9,8 +9,8 @@ namespace koboshi::tools {
 struct ChildLimits {
   unsigned int processor_s = 5;
   std::size_t memory_bytes = std::size_t{1} << 30;
-  // Of a child that waits for something that never comes. Far above `processor_s`, because a child that a
-  // loaded machine runs for a thirtieth of the time must give the same result as on an idle one.
+  // The limit for a child that waits for something that never comes. Far above `processor_s`, because a child
+  // that a loaded machine runs for a thirtieth of the time must give the same result as on an idle one.
   unsigned int waiting_s = 600;
 };
 

@@ -1,6 +1,11 @@
-#include "lab/tune/search_trials.h"
+#include "lab/cluster/search_trials.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -8,6 +13,8 @@
 #include <utility>
 
 #include "base/file/output_file.h"
+#include "base/file/output_folder.h"
+#include "base/text/error.h"
 #include "lab/experiment/trial_store.h"
 #include "simulation/batch/parallel.h"
 
@@ -16,8 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using WaitClock = std::chrono::steady_clock;
-
-constexpr const char* kSearch = "study";  // the name of the experiment that a candidate is
 
 // Sets the record of a trial if it is known, and returns whether it is.
 bool take(const TrialStore& store, SearchTrial& wanted) {
@@ -29,8 +34,8 @@ bool take(const TrialStore& store, SearchTrial& wanted) {
 // Trials that were finished before, and a file that keeps those that are played now.
 class KeptTrials {
  public:
-  KeptTrials(const fs::path& file, const std::vector<Metric>& metrics)
-      : store_(kSearch, metrics), out_(file, OutputFile::Mode::kAppend) {
+  KeptTrials(const fs::path& file, const TrialFormat& format)
+      : store_(format.experiment, format.metrics), out_(file, OutputFile::Mode::kAppend) {
     fs::resize_file(file, store_.read(file));
   }
 
@@ -63,10 +68,35 @@ class KeptTrials {
   OutputFile out_;
 };
 
+class PassingTrials : public SearchTrials {
+ public:
+  explicit PassingTrials(std::size_t jobs) : jobs_(jobs) {}
+
+  void play(std::vector<SearchTrial>& trials, const TrialFinished& finished) override {
+    std::mutex mutex;
+    simulation::for_each_parallel(trials.size(), jobs_, [&](std::size_t i) {
+      Trial& trial = trials[i].trial;
+      trial.record = trials[i].experiment->play(trial.cell, trial.seed);
+      const std::lock_guard lock(mutex);
+      finished(i);
+    });
+  }
+
+ private:
+  const std::size_t jobs_;
+};
+
+class NoTrials : public SearchTrials {
+ public:
+  void play(std::vector<SearchTrial>& trials, const TrialFinished&) override {
+    throw TrialsMissing(trials.size(), trials.size());
+  }
+};
+
 class LocalTrials : public SearchTrials {
  public:
-  LocalTrials(const fs::path& log, const std::vector<Metric>& metrics, std::size_t jobs)
-      : kept_(log, metrics), jobs_(jobs) {}
+  LocalTrials(const fs::path& log, const TrialFormat& format, std::size_t jobs)
+      : kept_(log, format), jobs_(jobs) {}
 
   void play(std::vector<SearchTrial>& trials, const TrialFinished& finished) override {
     std::vector<std::size_t> all(trials.size());
@@ -96,9 +126,8 @@ class ShardFiles {
 
 class ShardTrials : public SearchTrials {
  public:
-  ShardTrials(const fs::path& folder, const Shard& shard, const std::vector<Metric>& metrics,
-              std::size_t jobs)
-      : shard_(shard), jobs_(jobs), kept_(shard_file(folder, shard), metrics), files_(folder, shard.count) {}
+  ShardTrials(const fs::path& folder, const Shard& shard, const TrialFormat& format, std::size_t jobs)
+      : shard_(shard), jobs_(jobs), kept_(shard_file(folder, shard), format), files_(folder, shard.count) {}
 
   void play(std::vector<SearchTrial>& trials, const TrialFinished& finished) override {
     known_.assign(trials.size(), false);
@@ -154,9 +183,8 @@ class ShardTrials : public SearchTrials {
 
 class MergedTrials : public SearchTrials {
  public:
-  MergedTrials(const fs::path& folder, std::size_t shards, const std::vector<Metric>& metrics,
-               const fs::path& log)
-      : store_(kSearch, metrics), written_(kSearch, metrics) {
+  MergedTrials(const fs::path& folder, std::size_t shards, const TrialFormat& format, const fs::path& log)
+      : store_(format.experiment, format.metrics), written_(format.experiment, format.metrics) {
     ShardFiles(folder, shards).read_into(store_);
     if (!log.empty()) out_.emplace(log);
   }
@@ -186,19 +214,56 @@ class MergedTrials : public SearchTrials {
 
 }  // namespace
 
-std::unique_ptr<SearchTrials> make_local_trials(const fs::path& log, const std::vector<Metric>& metrics,
+std::unique_ptr<SearchTrials> make_passing_trials(std::size_t jobs) {
+  return std::make_unique<PassingTrials>(jobs);
+}
+
+std::unique_ptr<SearchTrials> make_local_trials(const fs::path& log, const TrialFormat& format,
                                                 std::size_t jobs) {
-  return std::make_unique<LocalTrials>(log, metrics, jobs);
+  return std::make_unique<LocalTrials>(log, format, jobs);
 }
 
 std::unique_ptr<SearchTrials> make_shard_trials(const fs::path& folder, const Shard& shard,
-                                                const std::vector<Metric>& metrics, std::size_t jobs) {
-  return std::make_unique<ShardTrials>(folder, shard, metrics, jobs);
+                                                const TrialFormat& format, std::size_t jobs) {
+  return std::make_unique<ShardTrials>(folder, shard, format, jobs);
 }
 
 std::unique_ptr<SearchTrials> make_merged_trials(const fs::path& folder, std::size_t shards,
-                                                 const std::vector<Metric>& metrics, const fs::path& log) {
-  return std::make_unique<MergedTrials>(folder, shards, metrics, log);
+                                                 const TrialFormat& format, const fs::path& log) {
+  return std::make_unique<MergedTrials>(folder, shards, format, log);
+}
+
+std::unique_ptr<SearchTrials> make_no_trials() { return std::make_unique<NoTrials>(); }
+
+void merge_into(const fs::path& folder, const std::function<void(const fs::path&)>& merge,
+                const std::function<std::string()>& so_far) {
+  const FolderLock lock(folder);
+  const fs::path beside = folder / "merging";
+  fs::remove_all(beside);
+  fs::create_directory(beside);
+  try {
+    merge(beside);
+  } catch (const TrialsMissing& error) {
+    fs::remove_all(beside);
+    throw InputError(folder, 0,
+                     fmt::format("incomplete shards: {} of {} trials are missing after {}", error.missing,
+                                 error.all, so_far()),
+                     "those of a whole search (koboshi lab submit runs the shards)");
+  }
+  for (const auto& entry : fs::directory_iterator(beside))
+    fs::rename(entry.path(), folder / entry.path().filename());
+  fs::remove(beside);
+}
+
+std::vector<ShardProgress> search_progress(const fs::path& folder, std::size_t shards, std::size_t left) {
+  std::vector<ShardProgress> progress;
+  for (std::size_t i = 1; i <= shards; ++i) {
+    std::ifstream file(shard_file(folder, {i, shards}), std::ios::binary);
+    const auto lines = std::count(std::istreambuf_iterator<char>(file), {}, '\n');
+    progress.push_back({.finished = static_cast<std::size_t>(lines),
+                        .remaining = left == 0 ? 0 : std::max<std::size_t>(1, left / shards)});
+  }
+  return progress;
 }
 
 }  // namespace koboshi::lab
