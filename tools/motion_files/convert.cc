@@ -249,9 +249,10 @@ class Conversion {
     if (poses > kMaxPoses)
       throw InputError(file_, 0, fmt::format("{} poses, of which no straight move replaces another", poses),
                        fmt::format("at most {}", kMaxPoses));
-    text += fmt::format("# Imported from {}{}, {}.\n", one_line(file_.filename().string()),
-                        motion.page > 0 ? fmt::format(", page {}", motion.page) : std::string(),
-                        name_of(motion.format));
+    text += fmt::format(
+        "# {} from {}{}, {}.\n", motion.format == MotionFormat::kOwn ? "Retargeted" : "Imported",
+        one_line(file_.filename().string()),
+        motion.page > 0 ? fmt::format(", page {}", motion.page) : std::string(), name_of(motion.format));
     text += fmt::format("version: 2\nrobot: {}\nname: {}\n", quoted(robot_.robot),
                         quoted(motion_name(motion, file_)));
     if (motion.is_smooth) text += "interpolation: cubic\n";

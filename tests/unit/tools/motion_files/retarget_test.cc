@@ -62,6 +62,7 @@ TEST_F(RetargetTest, FindsJointsByRoleAndTurnsThemByTheirAxes) {
 TEST_F(RetargetTest, IsTheIdentityForTheSameRobot) {
   const ConvertedMotion result =
       convert_motion("a.yaml", frames(), retarget_joints("a.yaml", frames(), from, to), model, {});
+  EXPECT_THAT(result.text, HasSubstr("# Retargeted from a.yaml, a motion of another robot.\n"));
   EXPECT_THAT(result.text, HasSubstr("p1: {left_knee: 20, right_knee: 30, head_pan: 10}"));
   EXPECT_EQ(result.clamped, 0u);
 }
