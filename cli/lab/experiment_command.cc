@@ -152,6 +152,13 @@ void add_push_recovery_options(CLI::App& command, lab::PushRecoveryOptions& opti
 void add_terrain_options(CLI::App& command, lab::TerrainOptions& options, SessionOptions&) {
   add_number(command, "--speed", options.speed_m_per_s, 0.01, 3.0, "Commanded speed, m/s");
   add_number(command, "--distance", options.distance_m, 0.1, 10.0, "Distance to walk, m");
+  command.add_option("--only", options.kinds, "Some of the kinds of ground")
+      ->delimiter(',')
+      ->check(CLI::IsMember(lab::TerrainOptions::all_kinds()));
+  command
+      .add_option("--levels", options.levels, "Levels of the kinds in --only instead of their own, rising")
+      ->delimiter(',')
+      ->check(CLI::Range(0.0, 1e3));
 }
 
 void add_stand_up_options(CLI::App& command, lab::StandUpOptions& options, SessionOptions&) {
@@ -276,7 +283,8 @@ void add_experiment_command(CLI::App& program, Invocation& invocation) {
        .description = "Steps, slopes, slippery patches and bumps that are walked over",
        .footer = "Each kind of ground is made harder until more than 5 of 100 seeds fall, or need more than\n"
                  "twice the time.\n",
-       .examples = {"terrain --seeds 20 --stepper mujoco --budget-s 600"},
+       .examples = {"terrain --seeds 20 --stepper mujoco --budget-s 600",
+                    "terrain --only uphill,downhill,across --levels 5,8 --world rough --stepper mujoco"},
        .make = lab::make_terrain,
        .add_options = add_terrain_options});
   add<lab::StandUpOptions>(

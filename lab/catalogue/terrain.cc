@@ -1,9 +1,11 @@
 #include "lab/catalogue/terrain.h"
 
-#include <fmt/core.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <functional>
 
+#include "base/text/error.h"
 #include "base/text/text.h"
 #include "lab/experiment/ladder.h"
 #include "lab/experiment/report.h"
@@ -50,7 +52,7 @@ Override bumps(double height_mm) {
           1e-3 * height_mm)};
 }
 
-const std::vector<Kind>& kinds() {
+const std::vector<Kind>& grounds() {
   static const std::vector<double> kHeights_mm{0, 2, 4, 6, 8, 10, 14, 20};
   static const std::vector<double> kAngles_deg{0, 2, 4, 6, 8, 10, 14, 20};
   static const std::vector<Kind> kKinds{
@@ -91,6 +93,15 @@ Conclusions highest_levels(const Experiment& experiment, const ExperimentResult&
 
 }  // namespace
 
+const std::vector<std::string>& TerrainOptions::all_kinds() {
+  static const std::vector<std::string> kNames = [] {
+    std::vector<std::string> names;
+    for (const Kind& kind : grounds()) names.push_back(kind.name);
+    return names;
+  }();
+  return kNames;
+}
+
 const FieldTable<TerrainTrial>& terrain_fields() {
   using T = TerrainTrial;
   using Walk = simulation::WalkSummary;
@@ -106,12 +117,18 @@ const FieldTable<TerrainTrial>& terrain_fields() {
 }
 
 Experiment make_terrain(const TerrainOptions& options) {
+  if (!std::ranges::is_sorted(options.levels))
+    throw InputError("--levels", 0, fmt::format("{}", fmt::join(options.levels, ",")), "rising levels");
   std::vector<StandingStart> starts;
   std::vector<Cell> cells;
   std::vector<Ladder> ladders;
-  for (const Kind& kind : kinds()) {
+  for (const Kind& kind : grounds()) {
+    if (std::ranges::find(options.kinds, kind.name) == options.kinds.end()) continue;
+    if (!options.levels.empty() && !ladders.empty() && ladders.front().unit != kind.unit)
+      throw InputError("--levels", 0, "levels for " + ladders.front().name + " and " + kind.name,
+                       "kinds of ground with one unit in --only");
     ladders.push_back({.name = kind.name, .unit = kind.unit, .cells = {}});
-    for (const double level : kind.levels) {
+    for (const double level : options.levels.empty() ? kind.levels : options.levels) {
       std::vector<Override> overrides = options.overrides;
       if (level > 0.0) overrides.push_back(kind.ground(level));
       ladders.back().cells.push_back(starts.size());

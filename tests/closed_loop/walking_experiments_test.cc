@@ -59,14 +59,25 @@ TEST(PushRecovery, SurvivesASmallPushButNotALargeOne) {
 TEST(Terrain, PassesOnAFloorAndFailsOnASteepSlope) {
   lab::TerrainOptions options = short_form<lab::TerrainOptions>();
   options.distance_m = 0.4;
-  lab::Experiment experiment = lab::make_terrain(options);
-  lab::Ladder uphill = experiment.ladders[1];
-  ASSERT_EQ(uphill.name, "uphill");
-  uphill.cells = {uphill.cells.front(), uphill.cells.back()};  // 0 and 20 degrees
-  experiment.ladders = {uphill};
+  options.kinds = {"uphill"};
+  options.levels = {0, 20};
+  const lab::Experiment experiment = lab::make_terrain(options);
+  const lab::Ladder& uphill = experiment.ladders.at(0);
+  ASSERT_EQ(uphill.cells.size(), 2u);
   const lab::ExperimentResult result = lab::play_experiment(experiment, {});
   ASSERT_EQ(lab::climb_of(uphill, result).highest, uphill.cells.front());
   EXPECT_EQ(experiment.conclude(experiment, result).values.at("uphill_passed"), 0.0);
+}
+
+TEST(Terrain, TakesRisingLevelsForKindsOfOneUnit) {
+  lab::TerrainOptions options = short_form<lab::TerrainOptions>();
+  EXPECT_EQ(lab::make_terrain(options).ladders.size(), lab::TerrainOptions::all_kinds().size());
+  options.levels = {5, 8};
+  EXPECT_THROW(static_cast<void>(lab::make_terrain(options)), InputError) << "millimetres and degrees";
+  options.kinds = {"uphill", "across"};
+  EXPECT_EQ(lab::make_terrain(options).cells.size(), 4u);
+  options.levels = {8, 5};
+  EXPECT_THROW(static_cast<void>(lab::make_terrain(options)), InputError);
 }
 
 TEST(Robustness, TakesLevelsForOneFactor) {
