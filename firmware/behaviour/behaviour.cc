@@ -343,7 +343,11 @@ void Behaviour::run_source(MotionSource& source, const Cycle& cycle) {
     overlay_.stop();
   }
   source.advance(hal::kControlPeriod_us, inputs(cycle.robot, cycle.values), targets());
-  if (!source.running()) handle(Event::kEnded, Reason::kProgress, cycle);
+  if (source.running()) return;
+  // A command to walk that came after the closing step had begun is obeyed once the robot stands.
+  const bool walks_on = &source == &walk_ && !walk_.stopping();
+  if (walks_on && refusal_to_walk(cycle.robot) == Reason::kNone) return begin_walk(hal::Side::kLeft);
+  handle(Event::kEnded, Reason::kProgress, cycle);
 }
 
 // A robot that does not sit as its motion expects keeps its torque: limp it would fall.

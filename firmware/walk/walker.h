@@ -78,7 +78,7 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   // Brings the robot to a stand: it slows down, puts its feet side by side and ends the walk.
   void stop() { stopping_ = true; }
   bool stopping() const { return stopping_; }
-  // Takes the stop back. Without effect once the closing step has begun.
+  // Takes the stop back. Once the closing step has begun, the walk ends all the same, with stopping() false.
   void resume() { stopping_ = false; }
   // Ends the walk at once; the targets stay as they are.
   void abort() {

@@ -317,12 +317,33 @@ TEST_F(PushedRobot, TakesNoStepInTheAir) {
   EXPECT_EQ(pushed(0.03, 0.0, 0.03), State::kWalking);
 }
 
+// However late the command comes: in the closing step and afterwards, too.
 TEST_F(PushedRobot, WalksOnWhenItIsCommandedTo) {
+  for (int delay = 0;; delay += 10) {
+    ASSERT_EQ(pushed(0.03, 0.0, 0.03), State::kWalking);
+    robot.com.valid = false;
+    step(delay);
+    if (behaviour.state() != State::kWalking) {
+      EXPECT_GT(delay, 100);
+      return;
+    }
+    EXPECT_EQ(request(Command::kWalk), Reason::kNone);
+    step(400);
+    EXPECT_EQ(behaviour.state(), State::kWalking) << delay;
+    EXPECT_EQ(request(Command::kStop), Reason::kNone);
+    step(400);
+    ASSERT_EQ(behaviour.state(), State::kStanding);
+  }
+}
+
+TEST_F(PushedRobot, DoesNotWalkOnWithoutWhatAWalkNeeds) {
   ASSERT_EQ(pushed(0.03, 0.0, 0.03), State::kWalking);
   robot.com.valid = false;
-  EXPECT_EQ(request(Command::kWalk), Reason::kNone);
+  while (step().planned_zmp) ASSERT_EQ(behaviour.state(), State::kWalking);  // settles
+  ASSERT_EQ(request(Command::kWalk), Reason::kNone);
+  robot.gyro_known = false;
   step(400);
-  EXPECT_EQ(behaviour.state(), State::kWalking);
+  EXPECT_EQ(behaviour.state(), State::kStanding);
 }
 
 }  // namespace
