@@ -57,7 +57,7 @@ std::string required_value(const XmlRule& rule) {
   for (const XmlAttributeRule& attribute : rule.attributes)
     if (attribute.required) return rule.name + "/@" + attribute.name;
   for (const XmlRule& child : rule.children) {
-    if (child.count != XmlCount::kRequired) continue;
+    if (!child.is_always_required()) continue;
     if (const std::string path = required_value(child); !path.empty()) return rule.name + "/" + path;
   }
   return {};
@@ -156,7 +156,7 @@ class XsdWriter {
       for (const XmlRule& child : rule.children) {
         const std::string path = required_value(child);
         if (child.count == XmlCount::kRepeated || path.empty()) continue;
-        const bool required = child.count == XmlCount::kRequired;
+        const bool required = child.is_always_required();
         constraint(required ? "key" : "unique",
                    local_name(rule) + (required ? "_has_one_" : "_has_at_most_one_") + local_name(child), ".",
                    path, "", depth);
