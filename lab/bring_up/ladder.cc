@@ -314,7 +314,7 @@ class Climber {
       return {.name = {},
               .result = Rung::Result::kImpossible,
               .figure = {},
-              .cause = "legs without hip yaw do not turn the robot"};
+              .cause = "the hips do not turn the feet against each other"};
     return walk_by(turning_walk(), 0.0);
   }
 

@@ -95,6 +95,7 @@ std::vector<MirroredJoint> RobotDescription::find_joints(const std::string& join
   if (const auto joint = find_joint(joint_name)) return {{*joint}};
   const auto left = find_joint("left_" + joint_name);
   const auto right = find_joint("right_" + joint_name);
+  if (left && !right && mirrored_follower(*left) != nullptr) return {{*left}};
   if (!left || !right) return {};
   const Eigen::Vector3d mirrored_M = mirrored_axis(joints[static_cast<std::size_t>(*left)].axis_M);
   const bool same = mirrored_M.dot(joints[static_cast<std::size_t>(*right)].axis_M) >= 0.0;

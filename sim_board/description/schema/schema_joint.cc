@@ -37,10 +37,7 @@ XmlRule mimic() {
                    {"rad", "0", "angle of the other joint", kMimicSource})},
       {text_attribute("joint", true,
                       {.meaning = "name of the other joint, which has a drive and no other follower",
-                       .source = kMimicSource}),
-       text_attribute("axis", false,
-                      {.fallback = "axis", .meaning = "axis of the other joint", .source = kMimicSource},
-                      {"axis"})});
+                       .source = kMimicSource})});
 }
 
 XmlRule axis() {

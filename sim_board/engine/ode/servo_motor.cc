@@ -154,7 +154,9 @@ void ServoMotor::read_tree(const TreeSolver& solver, double speed_rad_per_s) {
     copy_vector(-hinge_Nm * b_W_, feedback.t2);
   };
   write(tree_Nm_ + torque_Nm(friction_row_), feedbacks_->servo);
-  write(torque_Nm(stop_row_) + coupling_share_ * torque_Nm(coupling_row_), feedbacks_->stop);
+  const double stop_Nm = torque_Nm(stop_row_);
+  const bool is_coupled = coupling_row_ != kNoRow;
+  write(is_coupled ? stop_Nm + coupling_share_ * torque_Nm(coupling_row_) : stop_Nm, feedbacks_->stop);
 }
 
 double ServoMotor::servo_Nm() const { return b_W_.dot(vector_of(feedbacks_->servo.t1)) / (scale_ * scale_); }

@@ -37,7 +37,7 @@ std::size_t free_hinges_beyond(const ImportedRobot& robot, std::size_t joint) {
   }));
 }
 
-bool is_wanted(const Interview& interview, const std::string& joint) {
+bool is_named(const Interview& interview, const std::string& joint) {
   return std::ranges::any_of(interview.given().joints,
                              [&](const auto& entry) { return entry.second == joint; });
 }
@@ -48,7 +48,7 @@ std::optional<std::size_t> leader_of(const ImportedRobot& robot, const ImportedJ
   return index ? std::optional(static_cast<std::size_t>(*index)) : std::nullopt;
 }
 
-void lock(ImportedJoint& joint, const std::string& because, Interview& interview, ImportReport& report) {
+void lock_one(ImportedJoint& joint, const std::string& because, Interview& interview, ImportReport& report) {
   joint.is_follower = false;
   if (joint.kind == JointKind::kFixed) return;
   lock_joint(joint, 0.0);
@@ -78,7 +78,7 @@ void decide_followers(ImportedRobot& robot, Interview& interview, ImportReport& 
     ImportedJoint& other = robot.joints[*leader];
     if (is_locked(joint) || is_locked(other) || !other.mimics.empty()) continue;
     // Entries for both in `joints` of an older import.yaml gave each a motor of its own.
-    const bool are_wanted = is_wanted(interview, joint.name) && is_wanted(interview, other.name);
+    const bool are_wanted = is_named(interview, joint.name) && is_named(interview, other.name);
     const bool follows = interview.yes(
         {"one_motor",
          fmt::format("One motor turns {} and {}. Does it in the simulation, too? (no: each has a motor)",
@@ -121,8 +121,8 @@ void lock_other_followers(ImportedRobot& robot, Interview& interview, ImportRepo
                     "for two joints "
                     "only where they are both hip yaws; one_motor: no gives each a motor of its own",
                     joint.line, one_line(joint.name), one_line(leader.name)));
-    lock(joint, "one motor turns it and " + one_line(leader.name), interview, report);
-    lock(leader, "one motor turns it and " + one_line(joint.name), interview, report);
+    lock_one(joint, "one motor turns it and " + one_line(leader.name), interview, report);
+    lock_one(leader, "one motor turns it and " + one_line(joint.name), interview, report);
   }
 }
 

@@ -225,25 +225,11 @@ std::vector<double> decide_zero_pose(const ImportedRobot& robot, const Eigen::Ma
                      "Is joint zero the upright pose with hanging arms, whatever the source's zero is?",
                      "yes",
                      {}});
-  // Role names are ordered from the trunk outwards in each limb. Joints that others follow come first.
-  std::vector<std::string> names = role_names();
-  const auto joint_at = [&](const std::string& name) -> const ImportedJoint* {
-    const auto index = straightener.index_of(name);
-    return index ? &robot.joints[static_cast<std::size_t>(*index)] : nullptr;
-  };
-  std::ranges::stable_partition(names, [&](const std::string& name) {
-    return std::ranges::any_of(robot.joints, [&](const ImportedJoint& joint) {
-      return joint.is_follower && joint_at(name) != nullptr && joint.mimics == joint_at(name)->name;
-    });
-  });
-  for (const std::string& name : names) {
+  // Role names are ordered from the trunk outwards in each limb. A follower has a zero of its own: what the
+  // two zeros differ by becomes the offset.
+  for (const std::string& name : role_names()) {
     const auto index = straightener.index_of(name);
     if (!index) continue;
-    if (joint_at(name)->is_follower) {
-      const auto place = static_cast<std::size_t>(*index);
-      straightener.set(name, with_followers(robot, straightener.angles_rad())[place]);
-      continue;
-    }
     const auto given = interview.given().zero_deg.find(name);
     if (given != interview.given().zero_deg.end()) {
       straightener.set(name, kRadPerDegree * given->second);

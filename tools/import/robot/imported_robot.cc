@@ -95,17 +95,6 @@ std::vector<Eigen::Isometry3d> link_poses(const ImportedRobot& robot, std::span<
   return X_ML;
 }
 
-std::vector<double> with_followers(const ImportedRobot& robot, std::vector<double> angles_rad) {
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    const ImportedJoint& joint = robot.joints[i];
-    if (joint.is_follower)
-      angles_rad[i] =
-          joint.mimic_ratio * angles_rad[static_cast<std::size_t>(*robot.find_joint(joint.mimics))] +
-          joint.mimic_offset_rad;
-  }
-  return angles_rad;
-}
-
 int joint_of(const ImportedRobot& robot, int link) {
   const auto found = std::ranges::find(robot.joints, link, &ImportedJoint::child);
   return found == robot.joints.end() ? -1 : static_cast<int>(found - robot.joints.begin());

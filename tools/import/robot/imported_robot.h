@@ -111,9 +111,6 @@ struct ImportedRobot {
 [[nodiscard]] std::vector<Eigen::Isometry3d> link_poses(const ImportedRobot& robot,
                                                         std::span<const double> angles_rad = {});
 
-// Returns the angles in which each follower has that of its joint; other angles stay.
-[[nodiscard]] std::vector<double> with_followers(const ImportedRobot& robot, std::vector<double> angles_rad);
-
 // Returns the index of the joint that moves a link; -1 for the root.
 [[nodiscard]] int joint_of(const ImportedRobot& robot, int link);
 

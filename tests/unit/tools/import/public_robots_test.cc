@@ -104,9 +104,11 @@ TEST_F(PublicRobots, FacesAsItsSidesAndKneesSay) {
 
 // One motor drives both hip yaws.
 TEST_F(PublicRobots, CouplesBothHipsThatOneMotorTurns) {
+  // The right hip's zero is turned by 0.05 rad in the file, and so is the law of its angle.
   const std::string text =
-      replaced(KitRobot().text(), "<child link=\"r1\"/>",
-               "<child link=\"r1\"/><mimic joint=\"j_l1\" multiplier=\"-1\" offset=\"0.05\"/>");
+      replaced(KitRobot().text(), "<child link=\"r1\"/>\n    <origin xyz=\"0 -0.04 -0.03\" rpy=\"0 0 0\"/>",
+               "<child link=\"r1\"/><origin xyz=\"0 -0.04 -0.03\" rpy=\"0 0 -0.05\"/>"
+               "<mimic joint=\"j_l1\" multiplier=\"-1\" offset=\"0.05\"/>");
   const ImportResult result = import(text);
   EXPECT_TRUE(has_line(result.report.normalised, "j_r1 follows j_l1, as -1 times its angle and 2.86 deg"));
   EXPECT_EQ(source_of(result, "left_hip_yaw"), "j_l1");
