@@ -16,7 +16,7 @@ const std::string kMimic = "axis/mimic";
 
 XmlRule not_of_followers(XmlRule rule) {
   rule.unless = kMimic;
-  rule.note.meaning += "; none for a joint with <mimic>";
+  rule.note.meaning += "; none for a joint that has `mimic`";
   return rule;
 }
 
@@ -26,7 +26,7 @@ XmlRule mimic() {
       "mimic", kOptional,
       {.meaning =
            "the motor of another joint turns this one as well: angle = multiplier * (angle of that joint - "
-           "reference) + offset; the range is that which the other joint's leaves it, whatever <limit> is",
+           "reference) + offset; the range is that which the other joint's leaves it, whatever `limit` says",
        .source = kMimicSource},
       {number_rule(
            "multiplier", kRequired, {.min = -8, .max = 8},
