@@ -4,9 +4,20 @@
 #include <utility>
 
 namespace koboshi::mechanics {
+namespace {
 
-HingeTree::HingeTree(std::vector<Link> links, std::vector<Hinge> hinges)
-    : links_(std::move(links)), hinges_(std::move(hinges)) {
+double position_of(const Coupling& coupling, std::span<const double> positions_rad) {
+  return coupling.multiplier * positions_rad[coupling.leader] + coupling.offset_rad;
+}
+
+}  // namespace
+
+HingeTree::HingeTree(std::vector<Link> links, std::vector<Hinge> hinges, std::vector<Coupling> couplings)
+    : links_(std::move(links)), hinges_(std::move(hinges)), couplings_(std::move(couplings)) {
+  if (couplings_.size() > hinges_.size()) throw std::invalid_argument("more couplings than hinges");
+  for (const Coupling& coupling : couplings_)
+    if (coupling.leader >= free_hinges())
+      throw std::invalid_argument("a coupled hinge that follows another one");
   if (links_.empty()) throw std::invalid_argument("no link");
   parents_.assign(links_.size(), 0);
   depths_.assign(links_.size(), 0);
@@ -62,7 +73,10 @@ void HingeTree::poses(const Eigen::Isometry3d& X_WB, std::span<const double> pos
   X_moved[0] = X_WB * links_[0].X_ML.inverse();
   for (const std::size_t index : hinges_from_root_) {
     const Hinge& hinge = hinges_[index];
-    const Eigen::AngleAxisd turn(positions_rad[index], hinge.axis_M);
+    const double position_rad = index < free_hinges()
+                                    ? positions_rad[index]
+                                    : position_of(couplings_[index - free_hinges()], positions_rad);
+    const Eigen::AngleAxisd turn(position_rad, hinge.axis_M);
     const Eigen::Isometry3d X_turn =
         Eigen::Translation3d(hinge.p_MJ) * turn * Eigen::Translation3d(-hinge.p_MJ);
     X_moved[hinge.child] = X_moved[hinge.parent] * X_turn;

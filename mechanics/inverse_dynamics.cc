@@ -48,11 +48,16 @@ void InverseDynamics::place(std::span<const double> positions_rad) {
   }
 }
 
+double InverseDynamics::rate(std::size_t hinge, std::span<const double> rates) const {
+  const auto [free, multiplier] = tree_.free_hinge(hinge);
+  return multiplier * rates[free];
+}
+
 void InverseDynamics::add_velocities(std::span<const double> speeds_rad_per_s, const Vector6& root) {
   velocities_[0] = root;
   for (const std::size_t i : tree_.hinges_from_root()) {
     const Hinge& hinge = tree_.hinges()[i];
-    velocities_[hinge.child] = velocities_[hinge.parent] + speeds_rad_per_s[i] * motions_[i];
+    velocities_[hinge.child] = velocities_[hinge.parent] + rate(i, speeds_rad_per_s) * motions_[i];
   }
 }
 
@@ -64,8 +69,9 @@ Vector6 InverseDynamics::find_forces(std::span<const double> speeds_rad_per_s,
   accelerations_[0].setZero();
   for (const std::size_t i : tree_.hinges_from_root()) {
     const Hinge& hinge = tree_.hinges()[i];
-    accelerations_[hinge.child] = accelerations_[hinge.parent] + accelerations_rad_per_s2[i] * motions_[i] +
-                                  speeds_rad_per_s[i] * cross_motion(velocities_[hinge.parent], motions_[i]);
+    accelerations_[hinge.child] =
+        accelerations_[hinge.parent] + rate(i, accelerations_rad_per_s2) * motions_[i] +
+        rate(i, speeds_rad_per_s) * cross_motion(velocities_[hinge.parent], motions_[i]);
   }
   // The link at rest accelerates upwards instead of gravity.
   const Vector6 offset = -accelerations_[at_rest] - spatial(Vector3d::Zero(), gravity_B_m_per_s2);
@@ -80,11 +86,21 @@ Vector6 InverseDynamics::find_forces(std::span<const double> speeds_rad_per_s,
 
 void InverseDynamics::find_torques(std::span<double> torques_Nm) {
   const std::span<const std::size_t> order = tree_.hinges_from_root();
+  coupled_Nm_.assign(tree_.couplings().size(), 0.0);
   for (std::size_t place = order.size(); place-- > 0;) {
     const std::size_t i = order[place];
     const Hinge& hinge = tree_.hinges()[i];
-    torques_Nm[i] = motions_[i].dot(forces_[hinge.child]);
+    const double torque_Nm = motions_[i].dot(forces_[hinge.child]);
+    if (i < tree_.free_hinges()) {
+      torques_Nm[i] = torque_Nm;
+    } else {
+      coupled_Nm_[i - tree_.free_hinges()] = torque_Nm;
+    }
     forces_[hinge.parent] += forces_[hinge.child];
+  }
+  for (std::size_t i = 0; i < coupled_Nm_.size(); ++i) {
+    const Coupling& coupling = tree_.couplings()[i];
+    torques_Nm[coupling.leader] += coupling.multiplier * coupled_Nm_[i];
   }
 }
 

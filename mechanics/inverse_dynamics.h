@@ -30,11 +30,14 @@ class InverseDynamics {
                       const Eigen::Vector3d& gravity_B_m_per_s2);
   // Subtracts a force of the ground on a link from what its hinge has to supply.
   void support(std::size_t link, const Vector6& force) { forces_[link] -= force; }
-  // Computes the torque of each hinge, which supplies what is left. It is that of the motion only if the
+  // Computes the torque of each free hinge, whose motor also moves those that follow it, and supplies what is
+  // left. It is that of the motion only if the
   // ground supports the sum of the forces. Each call consumes the forces.
   void find_torques(std::span<double> torques_Nm);
 
  private:
+  // The speed or acceleration of a hinge, given those of the free hinges.
+  double rate(std::size_t hinge, std::span<const double> rates) const;
   // Adds up speeds along the tree from that of the root.
   void add_velocities(std::span<const double> speeds_rad_per_s, const Vector6& root);
 
@@ -46,6 +49,7 @@ class InverseDynamics {
   std::vector<Vector6> velocities_;
   std::vector<Vector6> accelerations_;
   std::vector<Vector6> forces_;
+  std::vector<double> coupled_Nm_;  // by coupling
 };
 
 }  // namespace koboshi::mechanics

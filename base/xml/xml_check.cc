@@ -104,6 +104,15 @@ class Checker {
     }
   }
 
+  // Whether an element has one at "child" or "child/grandchild"; no path: no.
+  static bool has_path(const XMLElement& element, const std::string& path) {
+    if (path.empty()) return false;
+    const std::size_t slash = path.find('/');
+    const XMLElement* const child = element.FirstChildElement(path.substr(0, slash).c_str());
+    if (child == nullptr || slash == std::string::npos) return child != nullptr;
+    return has_path(*child, path.substr(slash + 1));
+  }
+
   void check_children(const XMLElement& element, const XmlRule& rule) const {
     for (const XMLNode* node = element.FirstChild(); node; node = node->NextSibling()) {
       if (node->ToText()) {
@@ -114,7 +123,8 @@ class Checker {
       if (const XMLElement* child = node->ToElement()) check_child(*child, element, rule);
     }
     for (const XmlRule& r : rule.children) {
-      if (r.count == XmlCount::kRequired && !element.FirstChildElement(r.name.c_str())) {
+      if (r.count == XmlCount::kRequired && !element.FirstChildElement(r.name.c_str()) &&
+          !has_path(element, r.unless)) {
         add(XmlFaultKind::kMissingElement, element, r.name, element.GetLineNum(),
             tag(rule.name) + " without " + tag(r.name), "that element", rule);
       }

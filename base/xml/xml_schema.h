@@ -50,6 +50,11 @@ struct XmlRule {
   NumberRange range = {};
   std::vector<std::string> choices = {};  // as in XmlAttributeRule
   XmlNote note = {};
+  // A required element is required only if its parent has no such element: a child, or that child's child, as
+  // "axis/mimic".
+  std::string unless = {};
+
+  bool is_always_required() const { return count == XmlCount::kRequired && unless.empty(); }
 };
 
 // Parses finite numbers separated by blanks. Returns nothing if any word is not a number.

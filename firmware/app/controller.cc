@@ -23,7 +23,7 @@ static_assert(motion::Gain::kMax * kPermillePerPercent <= drive::kMaxPositionGai
 bool load(const storage::Catalogue& catalogue, robot::RobotModel& model) {
   const auto image = catalogue.find(storage::ItemKind::kRobotModel, 0);
   const bool valid = robot::load_model(image, model) == robot::ModelStatus::kOk;
-  if (!valid) model.joint_count = 0;
+  if (!valid) model.joint_count = model.follower_count = 0;
   return valid;
 }
 

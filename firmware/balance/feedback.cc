@@ -39,13 +39,13 @@ Feedback::Feedback(const robot::RobotModel& model) : joints_(model.joint_count) 
 
 // Cramer's rule for the axes a, b, c of yaw, roll and pitch: the first row of the inverse of (a b c) is
 // (b x c) / det, and so on. Hips whose roll and pitch have their own axes need none of that, and neither do
-// those without yaw, whose two joints are taken for roll and pitch.
+// those without a yaw of their own, whose two joints are taken for roll and pitch.
 void Feedback::set_hip(const robot::RobotModel& model, hal::Side side, Leg& leg) {
   // Below it the hip cannot turn the leg about all axes. By hand, 2026-11-27: 1 where the axes are
   // orthogonal.
   constexpr fixed::Ratio kMinDeterminant = fixed::Ratio::from_raw(1 << 28);
   const auto yaw = model.find(robot::leg_role(side, robot::kHipYaw));
-  if (!yaw || leg.hip_roll.sign == 0 || leg.hip_pitch.sign == 0) return;
+  if (!yaw || model.leads(*yaw) || leg.hip_roll.sign == 0 || leg.hip_pitch.sign == 0) return;
   leg.hips = {*yaw, leg.hip_roll.index, leg.hip_pitch.index};
   const robot::Direction& a = model.joints[leg.hips[0]].axis;
   const robot::Direction& b = model.joints[leg.hips[1]].axis;

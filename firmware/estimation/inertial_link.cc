@@ -29,11 +29,12 @@ void InertialLink::update(std::span<const fixed::Angle> angles) {
   robot::Rotation R;
   Rates w{};
   robot::LinkIndex link = model_.imu_link;
-  for (std::size_t steps = 0; !link.is_trunk() && steps < model_.joint_count; ++steps) {
+  for (std::size_t steps = 0; !link.is_trunk() && steps < model_.hinge_count(); ++steps) {
     const robot::JointIndex i = link.joint();
     const robot::Joint& joint = model_.joints[i];
-    const robot::Rotation R_ParentChild = robot::rotation_about(joint.axis, angles[i]);
-    const AngularRate rate = speed(i, angles[i]);
+    const fixed::Angle angle = model_.hinge_angle(angles, i);
+    const robot::Rotation R_ParentChild = robot::rotation_about(joint.axis, angle);
+    const AngularRate rate = speed(i, angle);
     w = R_ParentChild * w + Rates{fixed::product<AngularRate>(joint.axis.x, rate),
                                   fixed::product<AngularRate>(joint.axis.y, rate),
                                   fixed::product<AngularRate>(joint.axis.z, rate)};

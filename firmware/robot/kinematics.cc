@@ -10,18 +10,19 @@ using fixed::Mass;
 
 void forward_kinematics(const RobotModel& model, std::span<const fixed::Angle> angles, LinkPoses& X_BLinks) {
   KOBOSHI_ASSERT(angles.size() >= model.joint_count);
-  for (std::size_t step = 0; step < model.joint_count; ++step) {
+  for (std::size_t step = 0; step < model.hinge_count(); ++step) {
     const JointIndex i = model.order[step];
     const Joint& joint = model.joints[i];
+    const fixed::Angle angle = model.hinge_angle(angles, i);
     Pose& X_BLink = X_BLinks[i];
     if (joint.parent.is_trunk()) {
-      X_BLink = {rotation_about(joint.axis, angles[i]), joint.anchor};
+      X_BLink = {rotation_about(joint.axis, angle), joint.anchor};
       continue;
     }
     const Pose& X_BParent = X_BLinks[joint.parent.joint()];
     X_BLink = X_BParent;
     if (joint.anchor != Position()) X_BLink.p = X_BParent.p + X_BParent.R * joint.anchor;
-    turn_about(X_BLink.R, joint.axis, angles[i]);
+    turn_about(X_BLink.R, joint.axis, angle);
   }
 }
 
@@ -62,14 +63,14 @@ class MomentSum {
 
 fixed::Mass total_mass(const RobotModel& model) {
   fixed::Mass total = model.base_mass;
-  for (std::size_t i = 0; i < model.joint_count; ++i) total += model.joints[i].mass;
+  for (std::size_t i = 0; i < model.hinge_count(); ++i) total += model.joints[i].mass;
   return total;
 }
 
 Position centre_of_mass(const RobotModel& model, const LinkPoses& X_BLinks) {
   MomentSum sum;
   sum.add(model.base_mass, model.base_centre_of_mass);
-  for (std::size_t i = 0; i < model.joint_count; ++i) {
+  for (std::size_t i = 0; i < model.hinge_count(); ++i) {
     const Joint& joint = model.joints[i];
     sum.add(joint.mass, X_BLinks[i].p + X_BLinks[i].R * joint.centre_of_mass);
   }

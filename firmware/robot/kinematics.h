@@ -7,7 +7,7 @@
 
 namespace koboshi::robot {
 
-// The poses of all links in the trunk's frame B. Joint i carries link i.
+// The poses of all links in the trunk's frame B. Hinge i carries link i.
 using LinkPoses = std::array<Pose, kMaxJoints>;
 
 // Computes the poses of all links (forward kinematics). `angles` has one angle for each joint of the model,

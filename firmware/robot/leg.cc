@@ -151,9 +151,9 @@ class LegSolver {
 }  // namespace
 
 LegAngles leg_inverse_kinematics(const RobotModel& model, const LegGeometry& leg, const Pose& X_BSole,
-                                 const LegAngles* last, FirstSolution first) {
+                                 const LegAngles* last, FirstSolution first, Angle yaw) {
   if (leg.is_standard) return LegSolver(model, leg).solve(X_BSole);
-  return newton_leg_inverse_kinematics(model, leg, X_BSole, last, first);
+  return newton_leg_inverse_kinematics(model, leg, X_BSole, last, first, yaw);
 }
 
 }  // namespace koboshi::robot

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "firmware/robot/model.h"
@@ -23,13 +24,19 @@ enum LegJoint : std::size_t { kHipYaw, kHipRoll, kHipPitch, kKnee, kAnklePitch, 
 struct LegGeometry {
   // The leg's joints from the trunk down. Inverse of `joints`.
   [[nodiscard]] std::span<const LegJoint> chain() const { return {chain_joints.data(), joint_count}; }
-  // False for a leg without hip yaw: its foot keeps the heading that hip and ankle leave it.
-  [[nodiscard]] bool can_turn() const { return joint_count == kLegJoints; }
+  // False for a leg without a hip yaw of its own: its foot keeps the heading that hip and ankle leave it.
+  [[nodiscard]] bool can_turn() const { return joint_count == kLegJoints && !shares_yaw; }
 
-  std::array<JointIndex, kLegJoints> joints{};  // by LegJoint; a missing hip yaw has the index 0
+  std::array<JointIndex, kLegJoints> joints{};  // by LegJoint, with drives; a missing hip yaw has the index 0
+  std::array<JointIndex, kLegJoints> hinges{};  // the same, but for a hip yaw that follows another joint
   std::array<std::int8_t, kLegJoints> signs{};  // +1 where a joint's axis is nearest to +z, +x or +y; else -1
   std::array<LegJoint, kLegJoints> chain_joints{};
   std::size_t joint_count = 0;  // 5 or 6
+  // The hip yaw's motor turns the other leg's as well: its angle is given. Angles are those of the motor's
+  // joint; the hinge is at yaw_multiplier * angle + yaw_offset.
+  bool shares_yaw = false;
+  fixed::Gain yaw_multiplier = fixed::Gain::from_raw(1 << fixed::Gain::kFractionBits);
+  fixed::Angle yaw_offset;
   bool is_standard = false;
   Position p_BH_B;  // H at joint zero
   fixed::Length thigh;
@@ -49,13 +56,28 @@ struct LegGeometry {
 
 // Computes the geometry of a leg. Returns false if a joint other than the hip yaw is missing, if the joints
 // are in another order, or if they cannot move the sole in all directions; `geometry` is then undefined.
-[[nodiscard, gnu::cold]] bool make_leg_geometry(const RobotModel& model, hal::Side side, LegGeometry& geometry);
+[[nodiscard, gnu::cold]] bool make_leg_geometry(const RobotModel& model, hal::Side side,
+                                                LegGeometry& geometry);
 
 // Returns whether both legs have such a geometry: the robot can walk by command.
 [[nodiscard]] bool can_walk(const RobotModel& model);
 
-// Returns whether both hips have a yaw joint: a robot that walks can turn its feet, and itself.
+// Returns whether both hips have a yaw joint: a robot that walks can turn its feet, and itself. One motor for
+// both must turn the feet against each other.
 [[nodiscard]] bool can_turn(const RobotModel& model);
+
+// How one motor for both hip yaws turns the left foot relative to the right one. The other joints of a leg
+// keep its sole level, so that only the vertical part of the hinge's axis turns the foot.
+struct SharedYaw {
+  JointIndex joint;  // with the motor
+  fixed::Gain feet;  // turn of the left foot to the left, relative to the right one, per turn of the joint
+  fixed::Angle max_turn;  // of the feet against each other to either side, within the joint's limits
+};
+// Returns nothing if each hip yaw has its own motor, or there is none.
+[[nodiscard, gnu::cold]] std::optional<SharedYaw> shared_yaw(const RobotModel& model);
+// Least magnitude of SharedYaw::feet with which the robot turns. By hand, 2026-11-28: half of the 1.41 of
+// hips at 45 degrees.
+inline constexpr fixed::Gain kMinSharedYaw = fixed::Gain::from_raw(46341);
 
 // Tolerances of LegAngles::reached, for the rounding of targets that are just reachable: of a distance, of an
 // angle (2^-18 turn, four units of a drive's position), of a sine (7.6e-6, a third of that angle). Set by
@@ -71,7 +93,8 @@ struct LegAngles {
   // target, stretched or folded as far as possible, and the sole keeps its orientation; if a joint's limit
   // prevents that, the joints solved later (ankle, hip) compensate as far as they can.
   bool reached = false;
-  // Turn to the left that the foot lacks to reach its target's heading; zero for a leg with hip yaw.
+  // Turn to the left that the foot lacks to reach its target's heading; zero for a leg with a hip yaw of its
+  // own.
   fixed::Angle missing_heading;
 };
 
@@ -90,10 +113,13 @@ struct LegAngles {
 // A first solution in parts takes kTrackingSteps in each of kFirstSolutionParts calls for one pose: from bent
 // knees without `last`, then from what the last call returned. No call then costs more than a cycle that has
 // the last cycle's solution.
+//
+// `yaw` is the angle of the joint whose motor turns both hip yaws (LegGeometry::shares_yaw).
 enum class FirstSolution : std::uint8_t { kAtOnce, kInParts };
 inline constexpr int kFirstSolutionParts = 6;
 [[nodiscard]] LegAngles leg_inverse_kinematics(const RobotModel& model, const LegGeometry& geometry,
                                                const Pose& X_BSole, const LegAngles* last = nullptr,
-                                               FirstSolution first = FirstSolution::kAtOnce);
+                                               FirstSolution first = FirstSolution::kAtOnce,
+                                               fixed::Angle yaw = {});
 
 }  // namespace koboshi::robot

@@ -8,6 +8,7 @@ namespace koboshi::robot {
 namespace {
 
 using fixed::Angle;
+using fixed::Gain;
 using fixed::Length;
 using fixed::product;
 using fixed::Ratio;
@@ -17,6 +18,10 @@ constexpr std::array<Direction, kLegJoints> kLegAxes{kAxisZ, kAxisX, kAxisY, kAx
 // Distance up to which axes count as meeting. Set by hand (2026-11-21) for the rounding of the numbers in a
 // robot file; a unit of a drive's position, 6 um at 1 m, is coarser.
 constexpr Length kCoincidenceTolerance = Length::from_raw(16);  // 1 um
+
+constexpr Gain kWhole = Gain::from_raw(1 << Gain::kFractionBits);
+// Limit of the turn of the feet against each other, 60 degrees: beyond it, no robot walks.
+constexpr std::int64_t kMaxFeet_raw = (std::int64_t{1} << 32) / 6;
 
 bool is_near_zero(Length length) { return fixed::abs(length) <= kCoincidenceTolerance; }
 bool is_near_zero(const Position& p) { return is_near_zero(p.x) && is_near_zero(p.y) && is_near_zero(p.z); }
@@ -33,10 +38,21 @@ bool has_role_axis(const Joint& joint, std::size_t i) {
   return i == kHipYaw || fixed::abs(dot(kLegAxes[i], joint.axis)) >= kMinAlignment;
 }
 
+void share_yaw(const RobotModel& model, LegGeometry& leg) {
+  const JointIndex hinge = leg.hinges[kHipYaw];
+  leg.shares_yaw = model.is_follower(hinge) || model.leads(hinge);
+  if (!model.is_follower(hinge)) return;
+  const Coupling& coupling = model.coupling(hinge);
+  leg.joints[kHipYaw] = coupling.leader;
+  leg.yaw_multiplier = coupling.multiplier;
+  leg.yaw_offset = coupling.offset;
+}
+
 bool find_joints(const RobotModel& model, hal::Side side, LegGeometry& leg) {
   for (std::size_t i = kHipYaw; i < kLegJoints; ++i) {
-    const auto index = model.find(leg_role(side, i));
-    leg.joints[i] = index.value_or(JointIndex());
+    const auto index = model.find_hinge(leg_role(side, i));
+    leg.joints[i] = leg.hinges[i] = index.value_or(JointIndex());
+    if (index && model.is_follower(*index) && i != kHipYaw) return false;
     if (index) {
       if (!has_role_axis(model.joints[*index], i)) return false;
       leg.signs[i] = leg_sign(model.joints[*index], static_cast<LegJoint>(i));
@@ -45,6 +61,7 @@ bool find_joints(const RobotModel& model, hal::Side side, LegGeometry& leg) {
       return false;
     }
   }
+  if (leg.joint_count == kLegJoints) share_yaw(model, leg);
   return true;
 }
 
@@ -52,9 +69,9 @@ bool find_joints(const RobotModel& model, hal::Side side, LegGeometry& leg) {
 bool find_chain(const RobotModel& model, LegGeometry& leg) {
   LinkIndex parent;
   for (std::size_t place = 0; place < leg.joint_count; ++place) {
-    const std::size_t first = leg.can_turn() ? kHipYaw : kHipRoll;
+    const std::size_t first = leg.joint_count == kLegJoints ? kHipYaw : kHipRoll;
     std::size_t next = first;
-    while (next < kLegJoints && model.joints[leg.joints[next]].parent != parent) ++next;
+    while (next < kLegJoints && model.joints[leg.hinges[next]].parent != parent) ++next;
     if (next == kLegJoints) return false;
     const std::size_t knee_place = leg.joint_count - 3;
     const bool in_order = place < knee_place    ? next < kKnee
@@ -62,7 +79,7 @@ bool find_chain(const RobotModel& model, LegGeometry& leg) {
                                                 : next > kKnee;
     if (!in_order) return false;
     leg.chain_joints[place] = static_cast<LegJoint>(next);
-    parent = LinkIndex(leg.joints[next]);
+    parent = LinkIndex(leg.hinges[next]);
   }
   return true;
 }
@@ -151,7 +168,7 @@ bool make_leg_geometry(const RobotModel& model, hal::Side side, LegGeometry& geo
   geometry.ankle_height = model.feet[side].ankle_height;
   if (!find_joints(model, side, geometry) || !find_chain(model, geometry)) return false;
   Anchors anchors{};
-  for (const LegJoint i : geometry.chain()) anchors[i] = model.joints[geometry.joints[i]].anchor;
+  for (const LegJoint i : geometry.chain()) anchors[i] = model.joints[geometry.hinges[i]].anchor;
   geometry.is_standard = is_standard(model, geometry, anchors);
   if (!geometry.is_standard) return measure(model, anchors, geometry);
   measure_standard(anchors, geometry);
@@ -165,7 +182,30 @@ bool can_walk(const RobotModel& model) {
 }
 
 bool can_turn(const RobotModel& model) {
-  return model.find(JointRole::kLeftHipYaw).has_value() && model.find(JointRole::kRightHipYaw).has_value();
+  if (!model.find_hinge(JointRole::kLeftHipYaw) || !model.find_hinge(JointRole::kRightHipYaw)) return false;
+  const std::optional<SharedYaw> shared = shared_yaw(model);
+  return !shared || fixed::abs(shared->feet) >= kMinSharedYaw;
+}
+
+std::optional<SharedYaw> shared_yaw(const RobotModel& model) {
+  const auto left = model.find_hinge(JointRole::kLeftHipYaw);
+  const auto right = model.find_hinge(JointRole::kRightHipYaw);
+  if (!left || !right || model.is_follower(*left) == model.is_follower(*right)) return std::nullopt;
+  const bool left_leads = model.is_follower(*right);
+  const JointIndex leader = left_leads ? *left : *right;
+  const Coupling& coupling = model.coupling(left_leads ? *right : *left);
+  if (coupling.leader != leader) return std::nullopt;
+  const Ratio leads = model.joints[leader].axis.z;
+  const Gain follows = product<Gain>(coupling.multiplier, model.joints[left_leads ? *right : *left].axis.z);
+  const Gain turns = product<Gain>(leads, kWhole);
+  SharedYaw shared{.joint = leader, .feet = left_leads ? turns - follows : follows - turns, .max_turn = {}};
+  // Each way ends where the first of the joint's limits is: the feet of a walk turn by turns to either side.
+  const Joint& joint = model.joints[leader];
+  const Angle range = std::max(Angle(), std::min(-joint.lower, joint.upper));
+  const std::int64_t turn_raw =
+      std::int64_t{range.raw()} * fixed::abs(shared.feet).raw() >> Gain::kFractionBits;
+  shared.max_turn = Angle::from_raw(static_cast<std::int32_t>(std::min(turn_raw, kMaxFeet_raw)));
+  return shared;
 }
 
 }  // namespace koboshi::robot

@@ -75,9 +75,12 @@ Angle signed_by(std::int8_t sign, Angle angle) { return sign < 0 ? -angle : angl
 
 class NewtonLeg {
  public:
-  NewtonLeg(const RobotModel& model, const LegGeometry& leg, const Pose& X_BSole)
+  NewtonLeg(const RobotModel& model, const LegGeometry& leg, const Pose& X_BSole, Angle yaw)
       : model_(model),
         leg_(leg),
+        unknowns_(leg.joint_count - (leg.shares_yaw ? 1 : 0)),
+        given_(leg.shares_yaw ? place_of_yaw(leg) : kLegJoints),
+        yaw_(yaw),
         shift_(Ratio::kFractionBits - Length::kFractionBits - leg.scale),
         R_target_(X_BSole.R) {
     pull_in(X_BSole.p);
@@ -91,6 +94,7 @@ class NewtonLeg {
       bend_knee();
     const bool is_followed = (last != nullptr || in_parts) && follow(in_parts);
     if (!is_followed) start();
+    if (leg_.shares_yaw) result_.angles[kHipYaw] = yaw_;
     if (!leg_.can_turn()) measure_heading();
     return result_;
   }
@@ -133,7 +137,7 @@ class NewtonLeg {
   void pull_in(const Position& p_BSole) {
     constexpr Length kMax = Length::from_raw(1 << 27);  // 8 m, whose squares fit
     const auto within_8_m = [&](Length length) { return std::clamp(length, -kMax, kMax); };
-    Position r = p_BSole - model_.joints[leg_.joints[leg_.chain_joints[0]]].anchor;
+    Position r = p_BSole - joint(leg_.chain_joints[0]).anchor;
     if (!is_within(r, leg_.extent)) {
       r = Position{within_8_m(r.x), within_8_m(r.y), within_8_m(r.z)};
       const Length distance = fixed::hypotenuse(r.x, r.y, r.z);
@@ -160,22 +164,21 @@ class NewtonLeg {
   void look() {
     const LegJoint first = leg_.chain_joints[0];
     Direction p;  // from the first anchor
-    Rotation R = rotation_about(joint(first).axis, result_.angles[first]);
-    columns_[unknown(0)] = {joint(first).axis, p};
+    Rotation R = rotation_about(joint(first).axis, hinge_angle(first));
+    if (given_ != 0) columns_[unknown(0)] = {joint(first).axis, p};
     for (std::size_t place = 1; place < leg_.joint_count; ++place) {
       const LegJoint i = leg_.chain_joints[place];
       const Joint& hinge = joint(i);
       if (hinge.anchor != Position()) p = p + R * scaled(hinge.anchor);
-      Twist& twist = columns_[unknown(place)];
-      twist.move = p;
-      twist.turn = turn_about(R, hinge.axis, result_.angles[i]);
+      const Direction turn = turn_about(R, hinge.axis, hinge_angle(i));
+      if (place != given_) columns_[unknown(place)] = {turn, p};
     }
     const Direction normal = column(R, &Direction::z);
     const Ratio ankle_height = scaled(leg_.ankle_height);
     p = p - Direction{fixed::product<Ratio>(ankle_height, normal.x),
                       fixed::product<Ratio>(ankle_height, normal.y),
                       fixed::product<Ratio>(ankle_height, normal.z)};
-    for (std::size_t i = 0; i < leg_.joint_count; ++i) {
+    for (std::size_t i = 0; i < unknowns_; ++i) {
       Twist& twist = columns_[i];
       twist.move = cross(twist.turn, p - twist.move);
     }
@@ -190,7 +193,7 @@ class NewtonLeg {
     // A turn about the sole's normal is no error: the columns lose it as well.
     const Direction target_normal = column(R_target_, &Direction::z);
     error_.turn = cross(normal, target_normal);
-    for (std::size_t i = 0; i < leg_.joint_count; ++i) {
+    for (std::size_t i = 0; i < unknowns_; ++i) {
       Direction& turn = columns_[i].turn;
       const Ratio along = dot(target_normal, turn);
       turn = turn - Direction{fixed::product<Ratio>(along, target_normal.x),
@@ -217,7 +220,7 @@ class NewtonLeg {
   // Factorises J^T J + lambda^2 I = G G^T, and in the last row solves G y = J^T e. Returns the least pivot.
   // Elements of a row are at most as large as its column of J, sqrt(2), or the error.
   std::int64_t factorise() {
-    const std::size_t n = leg_.joint_count;
+    const std::size_t n = unknowns_;
     std::int64_t least_raw = std::int64_t{1} << 62;
     for (std::size_t j = 0; j < n; ++j) {
       const std::int64_t pivot_raw = remainder_raw(columns_[j], j, j) + kDamping_raw;
@@ -255,7 +258,7 @@ class NewtonLeg {
 
   void step() {
     factorise();
-    const std::size_t n = leg_.joint_count;
+    const std::size_t n = unknowns_;
     std::array<std::int32_t, kLegJoints> changes_raw{};
     stopped_ = false;
     for (std::size_t i = n; i-- > 0;) {
@@ -313,22 +316,36 @@ class NewtonLeg {
     return {component(v.x), component(v.y), component(v.z)};
   }
 
-  // The unknown that is the joint at this place of the chain, and back. The knee is the last one.
+  // The unknown that is the joint at this place of the chain, and back. The knee is the last one, and a given
+  // yaw, which is above it, is none.
   [[nodiscard]] std::size_t unknown(std::size_t place) const {
     const std::size_t knee = leg_.joint_count - 3;
-    return place < knee ? place : place == knee ? leg_.joint_count - 1 : place - 1;
+    if (place == knee) return unknowns_ - 1;
+    const std::size_t before = place > given_ ? place - 1 : place;
+    return place < knee ? before : before - 1;
   }
   [[nodiscard]] LegJoint joint_of(std::size_t unknown) const {
-    const std::size_t knee = leg_.joint_count - 3;
-    const std::size_t last = leg_.joint_count - 1;
-    return leg_.chain_joints[unknown < knee ? unknown : unknown == last ? knee : unknown + 1];
+    const std::size_t knee = unknowns_ - 3;
+    const std::size_t last = unknowns_ - 1;
+    const std::size_t place = unknown < knee ? unknown : unknown == last ? knee : unknown + 1;
+    return leg_.chain_joints[place >= given_ ? place + 1 : place];
+  }
+  static std::size_t place_of_yaw(const LegGeometry& leg) {
+    return static_cast<std::size_t>(std::ranges::find(leg.chain(), kHipYaw) - leg.chain().begin());
   }
 
-  [[nodiscard]] const Joint& joint(LegJoint i) const { return model_.joints[leg_.joints[i]]; }
+  [[nodiscard]] const Joint& joint(LegJoint i) const { return model_.joints[leg_.hinges[i]]; }
+  [[nodiscard]] Angle hinge_angle(LegJoint i) const {
+    if (i != kHipYaw || !leg_.shares_yaw) return result_.angles[i];
+    return fixed::product<Angle>(yaw_, leg_.yaw_multiplier) + leg_.yaw_offset;
+  }
 
   const RobotModel& model_;
   const LegGeometry& leg_;
-  const int shift_;  // from a Length to a Ratio in units of the scale
+  const std::size_t unknowns_;  // joints of the leg, but for a given yaw
+  const std::size_t given_;     // place of that in the chain; kLegJoints: none
+  const Angle yaw_;             // of its motor's joint
+  const int shift_;             // from a Length to a Ratio in units of the scale
   // In axes of the base, from the anchor of the first joint, in units of the scale.
   Direction target_;
   Direction sole_;
@@ -346,12 +363,13 @@ class NewtonLeg {
 }  // namespace
 
 LegAngles newton_leg_inverse_kinematics(const RobotModel& model, const LegGeometry& geometry,
-                                        const Pose& X_BSole, const LegAngles* last, FirstSolution first) {
-  return NewtonLeg(model, geometry, X_BSole).solve(last, first);
+                                        const Pose& X_BSole, const LegAngles* last, FirstSolution first,
+                                        Angle yaw) {
+  return NewtonLeg(model, geometry, X_BSole, yaw).solve(last, first);
 }
 
 bool is_movable(const RobotModel& model, const LegGeometry& geometry) {
-  return NewtonLeg(model, geometry, Pose()).least_pivot_raw() >= kMinPivot_raw;
+  return NewtonLeg(model, geometry, Pose(), Angle()).least_pivot_raw() >= kMinPivot_raw;
 }
 
 }  // namespace koboshi::robot

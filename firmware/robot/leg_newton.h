@@ -28,7 +28,7 @@ static_assert(kFirstSolutionParts * kTrackingSteps == kMaxFirstSteps);
 // The other joints follow from the ankle up, and each is clamped to its limits before the next is computed.
 [[nodiscard]] LegAngles newton_leg_inverse_kinematics(const RobotModel& model, const LegGeometry& geometry,
                                                       const Pose& X_BSole, const LegAngles* last,
-                                                      FirstSolution first);
+                                                      FirstSolution first, fixed::Angle yaw);
 
 // Whether the joints can move the sole in all directions from the bent-knee pose: no pivot of the
 // factorisation is near zero.

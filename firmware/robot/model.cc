@@ -19,6 +19,13 @@ constexpr std::size_t kJointSize = 75;
 // such part, so that its image is that of older versions.
 constexpr std::size_t kSensorPartSize = 2 + 2 * hal::kPressureCells * 8;
 
+// The followers; a robot without any has no such part. Its size differs from that of the sensors.
+constexpr std::size_t kFollowerSize = kJointSize + 1 + 4 + 4;
+constexpr std::size_t follower_part_size(std::size_t followers) {
+  return followers == 0 ? 0 : 1 + followers * kFollowerSize;
+}
+static_assert((kSensorPartSize - 1) % kFollowerSize != 0);
+
 template <fixed::AnyQuantity Q>
 void read(ImageReader& reader, Q& quantity) {
   quantity = Q::from_raw(reader.i32());
@@ -61,6 +68,17 @@ void read(ImageReader& reader, Joint& joint) {
   read(reader, joint.centre_of_mass);
 }
 
+void read_follower_part(ImageReader& reader, RobotModel& model) {
+  static_cast<void>(reader.u8());  // their number, which the size has told
+  for (std::size_t i = 0; i < model.follower_count; ++i) {
+    read(reader, model.joints[model.joint_count + i]);
+    Coupling& coupling = model.couplings[i];
+    coupling.leader = JointIndex(reader.u8());
+    read(reader, coupling.multiplier);
+    read(reader, coupling.offset);
+  }
+}
+
 void read_sensor_part(ImageReader& reader, RobotModel& model) {
   model.ankle_kind = static_cast<hal::AnkleKind>(reader.u8());
   model.imu_link = LinkIndex::from_raw(reader.i8());
@@ -98,12 +116,22 @@ ModelStatus load_model(std::span<const std::byte> image_bytes, RobotModel& model
   model.joint_count = reader.u8();
   if (model.joint_count == 0 || model.joint_count > kMaxJoints) return ModelStatus::kBadJointCount;
   const std::size_t size = kFixedPartSize + model.joint_count * kJointSize;
-  const bool has_sensor_part = image.body.size() == size + kSensorPartSize;
-  if (image.body.size() != size && !has_sensor_part) return ModelStatus::kBadSize;
+  bool has_sensor_part = false;
+  const auto is_size = [&](bool sensors, std::size_t followers) {
+    has_sensor_part = sensors;
+    model.follower_count = followers;
+    return image.body.size() == size + (sensors ? kSensorPartSize : 0) + follower_part_size(followers);
+  };
+  bool fits = false;
+  for (std::size_t followers = 0; followers <= kMaxFollowers && !fits; ++followers)
+    fits = is_size(false, followers) || is_size(true, followers);
+  if (!fits) return ModelStatus::kBadSize;
+  if (model.hinge_count() > kMaxJoints) return ModelStatus::kBadJointCount;
 
   read_fixed_part(reader, model);
   for (std::size_t i = 0; i < model.joint_count; ++i) read(reader, model.joints[i]);
   if (has_sensor_part) read_sensor_part(reader, model);
+  if (model.follower_count > 0) read_follower_part(reader, model);
   return check_model(model);
 }
 
@@ -112,6 +140,26 @@ std::optional<JointIndex> RobotModel::find(JointRole role) const {
     if (joints[i].role == role) return JointIndex(i);
   }
   return std::nullopt;
+}
+
+std::optional<JointIndex> RobotModel::find_hinge(JointRole role) const {
+  for (std::size_t i = 0; i < hinge_count(); ++i) {
+    if (joints[i].role == role) return JointIndex(i);
+  }
+  return std::nullopt;
+}
+
+bool RobotModel::leads(JointIndex joint) const {
+  for (std::size_t i = 0; i < follower_count; ++i) {
+    if (couplings[i].leader == joint) return true;
+  }
+  return false;
+}
+
+fixed::Angle RobotModel::follower_angle(std::span<const fixed::Angle> angles, JointIndex follower) const {
+  const Coupling& of_follower = coupling(follower);
+  return fixed::product<fixed::Angle>(angles[of_follower.leader], of_follower.multiplier) +
+         of_follower.offset;
 }
 
 std::array<JointIndex, kLegJoints> RobotModel::leg(hal::Side side) const {
@@ -137,7 +185,7 @@ JointIndex RobotModel::foot_joint(hal::Side side) const {
   const JointRole first = leg_role(side, 0);
   const JointRole last = leg_role(side, kLegJoints - 1);
   JointIndex foot;
-  for (std::size_t step = 0; step < joint_count; ++step) {
+  for (std::size_t step = 0; step < hinge_count(); ++step) {
     const JointRole role = joints[order[step]].role;
     if (role >= first && role <= last) foot = order[step];
   }

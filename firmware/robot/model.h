@@ -82,6 +82,17 @@ struct Joint {
   Position centre_of_mass;  // in the link's frame
 };
 
+// A hinge without a drive: the motor of another joint, its leader, turns it as well. Its angle is
+// multiplier * angle of the leader + offset.
+struct Coupling {
+  JointIndex leader;       // a joint with a drive
+  fixed::Gain multiplier;  // 0.05 to 8, or the opposite
+  fixed::Angle offset;
+};
+inline constexpr std::size_t kMaxFollowers = 4;
+inline constexpr fixed::Gain kMinMultiplier = fixed::Gain::from_raw(3276);  // 0.05
+inline constexpr fixed::Gain kMaxMultiplier = fixed::Gain::from_raw(8 << 16);
+
 // A pressure cell, in the sole's frame.
 struct Cell {
   fixed::Length x;
@@ -113,11 +124,13 @@ struct SensorScales {
 // The robot that the firmware controls, as read from the image in storage. Only calibration parameters change
 // it afterwards: the drives' zeros and R_BI.
 struct RobotModel {
-  std::uint32_t id = 0;                     // the image's CRC-32: motions are bound to it
-  std::array<char, kModelNameSize> name{};  // padded with zeros
-  std::size_t joint_count = 0;              // 1..kMaxJoints in a loaded model
-  std::array<Joint, kMaxJoints> joints{};
-  std::array<JointIndex, kMaxJoints> order{};  // each joint after the one that carries its parent
+  std::uint32_t id = 0;                             // the image's CRC-32: motions are bound to it
+  std::array<char, kModelNameSize> name{};          // padded with zeros
+  std::size_t joint_count = 0;                      // those with a drive; 1..kMaxJoints in a loaded model
+  std::size_t follower_count = 0;                   // hinges without one; with the joints at most kMaxJoints
+  std::array<Joint, kMaxJoints> joints{};           // those with a drive, then the followers
+  std::array<Coupling, kMaxFollowers> couplings{};  // of the followers
+  std::array<JointIndex, kMaxJoints> order{};  // of all hinges: each after the one that carries its parent
   fixed::Mass base_mass;                       // above 0, at most kMaxLinkMass
   Position base_centre_of_mass;                // in B; at most kMaxOffset in each coordinate
   fixed::Length body_height;  // from sole to crown at joint zero; above 0, at most 2 * kMaxOffset
@@ -128,8 +141,23 @@ struct RobotModel {
   SensorScales scales;
   hal::BySide<Foot> feet{};
 
+  // Number of hinges: joints and followers.
+  [[nodiscard]] std::size_t hinge_count() const { return joint_count + follower_count; }
+  [[nodiscard]] bool is_follower(JointIndex hinge) const { return hinge >= joint_count; }
+  // That of a follower.
+  [[nodiscard]] const Coupling& coupling(JointIndex follower) const {
+    return couplings[follower - joint_count];
+  }
+  // Whether the joint's motor turns a follower as well.
+  [[nodiscard]] bool leads(JointIndex joint) const;
+  // Returns a hinge's angle for those of the joints.
+  [[nodiscard]] fixed::Angle hinge_angle(std::span<const fixed::Angle> angles, JointIndex hinge) const {
+    return is_follower(hinge) ? follower_angle(angles, hinge) : angles[hinge];
+  }
   // Returns the joint with this role, the first one; nothing where the robot has none.
   [[nodiscard]] std::optional<JointIndex> find(JointRole role) const;
+  // The same of a joint or a follower.
+  [[nodiscard]] std::optional<JointIndex> find_hinge(JointRole role) const;
   // Returns the joints of a leg in the order of LegJoint (leg.h); a missing joint has the index 0.
   [[nodiscard]] std::array<JointIndex, kLegJoints> leg(hal::Side side) const;
   // Returns the joints of both legs, or of one, as a mask, bit i for joint i.
@@ -141,26 +169,24 @@ struct RobotModel {
   [[nodiscard]] bool measures_loads() const {
     return ankle_kind == hal::AnkleKind::kSixAxis || ankle_kind == hal::AnkleKind::kPressureCells;
   }
+
+ private:
+  [[nodiscard]] fixed::Angle follower_angle(std::span<const fixed::Angle> angles, JointIndex follower) const;
 };
 
 enum class [[nodiscard]] ModelStatus : std::uint8_t{
     kOk = 0,
     kTruncated = 1,  // up to kBadCrc as storage::ImageStatus
-    kBadMagic = 2,
-    kBadVersion = 3,
-    kBadSize = 4,
-    kBadCrc = 5,
+    kBadMagic = 2, kBadVersion = 3, kBadSize = 4, kBadCrc = 5,
     kBadJointCount = 6,  // 0, or more than kMaxJoints
     kBadField = 7,       // a sign, role, node id, index or unit with a value that has no meaning
     kOutOfRange = 8,     // a length, mass, speed or scale that no such robot has
     kNotARotation = 9,   // an axis that is no unit vector, or an inertial unit's matrix that is no rotation
-    kLimitsReversed = 10,
-    kCyclicTree = 11,
-    kDuplicateNodeId = 12,
-    kDuplicateRole = 13,
-    kBadMirror = 14,  // the mirror image of a joint's mirror image is not the joint
-    kBadLeg = 15,     // no joint of a leg, or one with all but perhaps the hip yaw that make_leg_geometry()
-                      // refuses (leg.h)
+    kLimitsReversed = 10, kCyclicTree = 11, kDuplicateNodeId = 12, kDuplicateRole = 13,
+    kBadMirror = 14,    // the mirror image of a joint's mirror image is not the joint
+    kBadLeg = 15,       // no joint of a leg, or one with all but perhaps the hip yaw that make_leg_geometry()
+                        // refuses (leg.h)
+    kBadCoupling = 16,  // a follower of a follower, of a joint that has another one, or with a wrong ratio
 };
 
 // Decodes and validates a model image (docs/reference/robot-model-format.md). On failure `model` is

@@ -41,12 +41,17 @@ bool is_rotation(const Rotation& R) {
   return is_close(a_cross_b.x, c.x) && is_close(a_cross_b.y, c.y) && is_close(a_cross_b.z, c.z);
 }
 
+// Those of every hinge; a follower has no drive, and no mirror of its own.
 bool fields_are_valid(const RobotModel& model, const Joint& joint) {
-  const int count = static_cast<int>(model.joint_count);
+  const int count = static_cast<int>(model.hinge_count());
   return static_cast<std::size_t>(joint.role) < kRoleCount && joint.parent.raw() < count &&
          (joint.parent.is_trunk() || joint.parent.raw() >= 0) && joint.mirror < model.joint_count &&
-         is_sign(joint.mirror_sign) && is_sign(joint.drive.sign) && joint.drive.node_id >= 1 &&
-         joint.drive.node_id <= 127 && joint.drive.position_bits >= 8 && joint.drive.position_bits <= 31;
+         is_sign(joint.mirror_sign);
+}
+
+bool is_valid(const Drive& drive) {
+  return is_sign(drive.sign) && drive.node_id >= 1 && drive.node_id <= 127 && drive.position_bits >= 8 &&
+         drive.position_bits <= 31;
 }
 
 ModelStatus check_joint(const RobotModel& model, const Joint& joint) {
@@ -57,6 +62,26 @@ ModelStatus check_joint(const RobotModel& model, const Joint& joint) {
   }
   if (!is_unit(joint.axis)) return ModelStatus::kNotARotation;
   if (joint.lower > joint.upper) return ModelStatus::kLimitsReversed;
+  return ModelStatus::kOk;
+}
+
+// Each joint has at most one follower, whose angle stays within half a turn at the joint's limits.
+ModelStatus check_couplings(const RobotModel& model) {
+  for (std::size_t i = 0; i < model.follower_count; ++i) {
+    const Coupling& coupling = model.couplings[i];
+    const fixed::Gain size = fixed::abs(coupling.multiplier);
+    if (coupling.leader >= model.joint_count || size < kMinMultiplier || size > kMaxMultiplier)
+      return ModelStatus::kBadCoupling;
+    const Joint& leader = model.joints[coupling.leader];
+    for (const fixed::Angle end : {leader.lower, leader.upper}) {
+      const std::int64_t angle_raw =
+          (std::int64_t{end.raw()} * coupling.multiplier.raw() >> fixed::Gain::kFractionBits) +
+          coupling.offset.raw();
+      if (angle_raw != std::int64_t{static_cast<std::int32_t>(angle_raw)}) return ModelStatus::kBadCoupling;
+    }
+    for (std::size_t j = 0; j < i; ++j)
+      if (model.couplings[j].leader == coupling.leader) return ModelStatus::kBadCoupling;
+  }
   return ModelStatus::kOk;
 }
 
@@ -71,6 +96,12 @@ ModelStatus check_pairs(const RobotModel& model) {
       if (joint.role != JointRole::kOther && joint.role == other.role) return ModelStatus::kDuplicateRole;
     }
   }
+  for (std::size_t i = model.joint_count; i < model.hinge_count(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const JointRole role = model.joints[i].role;
+      if (role != JointRole::kOther && role == model.joints[j].role) return ModelStatus::kDuplicateRole;
+    }
+  }
   return ModelStatus::kOk;
 }
 
@@ -79,15 +110,15 @@ ModelStatus check_pairs(const RobotModel& model) {
 bool sort_tree(RobotModel& model) {
   std::array<bool, kMaxJoints> placed{};
   std::size_t count = 0;
-  for (std::size_t round = 0; round < model.joint_count && count < model.joint_count; ++round) {
-    for (std::size_t i = 0; i < model.joint_count; ++i) {
+  for (std::size_t round = 0; round < model.hinge_count() && count < model.hinge_count(); ++round) {
+    for (std::size_t i = 0; i < model.hinge_count(); ++i) {
       const LinkIndex parent = model.joints[i].parent;
       if (placed[i] || (!parent.is_trunk() && !placed[parent.joint()])) continue;
       placed[i] = true;
       model.order[count++] = JointIndex(i);
     }
   }
-  return count == model.joint_count;
+  return count == model.hinge_count();
 }
 
 bool in_range(const Foot& foot) {
@@ -108,13 +139,13 @@ bool has_scales(const RobotModel& model) {
 bool has_sensors(const RobotModel& model) {
   const LinkIndex link = model.imu_link;
   return model.ankle_kind <= hal::AnkleKind::kNone &&
-         (link.is_trunk() || (link.raw() >= 0 && link.joint() < model.joint_count));
+         (link.is_trunk() || (link.raw() >= 0 && link.joint() < model.hinge_count()));
 }
 
 // Sums in 64 bits: the masses of an unchecked image may be any.
 bool in_range_together(const RobotModel& model) {
   std::int64_t sum_raw = model.base_mass.raw();
-  for (std::size_t i = 0; i < model.joint_count; ++i) sum_raw += model.joints[i].mass.raw();
+  for (std::size_t i = 0; i < model.hinge_count(); ++i) sum_raw += model.joints[i].mass.raw();
   return sum_raw <= kMaxRobotMass.raw();
 }
 
@@ -141,10 +172,12 @@ bool has_leg(const RobotModel& model, hal::Side side) {
 
 ModelStatus check_model(RobotModel& model) {
   if (const ModelStatus status = check_body(model); status != ModelStatus::kOk) return status;
-  for (std::size_t i = 0; i < model.joint_count; ++i) {
+  for (std::size_t i = 0; i < model.hinge_count(); ++i) {
     const ModelStatus status = check_joint(model, model.joints[i]);
     if (status != ModelStatus::kOk) return status;
+    if (i < model.joint_count && !is_valid(model.joints[i].drive)) return ModelStatus::kBadField;
   }
+  if (const ModelStatus status = check_couplings(model); status != ModelStatus::kOk) return status;
   if (!in_range_together(model)) return ModelStatus::kOutOfRange;
   if (const ModelStatus status = check_pairs(model); status != ModelStatus::kOk) return status;
   if (!sort_tree(model)) return ModelStatus::kCyclicTree;

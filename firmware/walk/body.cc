@@ -56,6 +56,8 @@ Angle signed_by(std::int8_t sign, Angle angle) { return sign < 0 ? -angle : angl
 
 Position at_height(Point p, Length height) { return {p.x, p.y, height}; }
 
+constexpr fixed::Gain kWhole = 1.0_gain;
+
 // Masses as shares of the robot's mass: weights of the sum that is its CoM.
 class Shares {
  public:
@@ -74,7 +76,7 @@ Body::Body(const robot::RobotModel& model) : model_(model) {
   // At joint zero all links have the trunk's axes, so that each is where the anchors down to it add up to.
   std::array<Position, robot::kMaxJoints> p_BLinks;
   Position centre = scaled(model.base_centre_of_mass, shares.of(model.base_mass));
-  for (std::size_t step = 0; step < model.joint_count; ++step) {
+  for (std::size_t step = 0; step < model.hinge_count(); ++step) {
     const robot::JointIndex i = model.order[step];
     const robot::Joint& joint = model.joints[i];
     p_BLinks[i] = joint.parent.is_trunk() ? joint.anchor : p_BLinks[joint.parent.joint()] + joint.anchor;
@@ -88,7 +90,7 @@ Body::Body(const robot::RobotModel& model) : model_(model) {
     Position p_BSole = p_BLinks[model.foot_joint(side)];
     p_BSole.z -= leg.ankle_height;
     for (const robot::LegJoint place_in_leg : leg.chain()) {
-      const robot::JointIndex i = leg.joints[place_in_leg];
+      const robot::JointIndex i = leg.hinges[place_in_leg];
       const Length place = p_BLinks[i].z + model.joints[i].centre_of_mass.z;
       const Ratio along = fixed::quotient<Ratio>(leg.p_BH_B.z - place, leg.p_BH_B.z - p_BSole.z);
       both_legs += product<Ratio>(shares.of(model.joints[i].mass), along);
@@ -99,13 +101,23 @@ Body::Body(const robot::RobotModel& model) : model_(model) {
   inverse_share_ = fixed::quotient<Ratio>(fixed::kOne, fixed::kOne - both_legs);
   constant_B_ = hanging_B_ = centre - scaled(soles, foot_share_);
   has_legs_ = true;
+  if (const auto shared = robot::shared_yaw(model)) {
+    shared_yaw_ = shared->joint;
+    max_turn_ = shared->max_turn;
+    turns_feet_ = fixed::abs(shared->feet) >= robot::kMinSharedYaw;
+    if (turns_feet_) per_turn_ = fixed::quotient<fixed::Gain>(kWhole, shared->feet);
+  }
   find_upper_body();
 }
 
 // The joints of which none is carried by a leg, and their constant moments.
 void Body::find_upper_body() {
-  const std::uint32_t legs = model_.leg_joints();
-  for (std::size_t step = 0; step < model_.joint_count; ++step) {
+  std::uint32_t legs = model_.leg_joints();
+  for (std::size_t i = model_.joint_count; i < model_.hinge_count(); ++i) {
+    const robot::JointRole role = model_.joints[i].role;
+    if (role >= robot::JointRole::kLeftHipYaw && role <= robot::JointRole::kRightAnkleRoll) legs |= 1u << i;
+  }
+  for (std::size_t step = 0; step < model_.hinge_count(); ++step) {
     const robot::JointIndex i = model_.order[step];
     const robot::LinkIndex parent = model_.joints[i].parent;
     const bool on_upper_body = parent.is_trunk() || (upper_joints_ >> parent.joint() & 1u) != 0;
@@ -113,7 +125,7 @@ void Body::find_upper_body() {
   }
   const Shares shares(model_);
   std::array<Ratio, robot::kMaxJoints> carried{};
-  for (std::size_t step = model_.joint_count; step-- > 0;) {
+  for (std::size_t step = model_.hinge_count(); step-- > 0;) {
     const robot::JointIndex i = model_.order[step];
     if ((upper_joints_ >> i & 1u) == 0) continue;
     const robot::Joint& joint = model_.joints[i];
@@ -132,12 +144,12 @@ void Body::find_upper_body() {
 Position Body::upper_body_moment(std::span<const Angle> angles) const {
   Position trunk{};
   std::array<Position, robot::kMaxJoints> moments = moments_;
-  for (std::size_t step = model_.joint_count; step-- > 0;) {
+  for (std::size_t step = model_.hinge_count(); step-- > 0;) {
     const robot::JointIndex i = model_.order[step];
     if ((upper_joints_ >> i & 1u) == 0) continue;
     const robot::Joint& joint = model_.joints[i];
     Position& carrier = joint.parent.is_trunk() ? trunk : moments[joint.parent.joint()];
-    carrier = carrier + robot::rotation_about(joint.axis, angles[i]) * moments[i];
+    carrier = carrier + robot::rotation_about(joint.axis, model_.hinge_angle(angles, i)) * moments[i];
   }
   return trunk;
 }
@@ -149,6 +161,7 @@ void Body::set_upper_body(std::span<const Angle> angles) {
 
 void Body::begin_in_parts() {
   is_solved_ = false;
+  yaw_ = yaw_before_ = yaw_change_ = Angle();
   const bool in_closed_form = legs_[0].is_standard && legs_[1].is_standard;
   parts_left_ = in_closed_form ? 0 : robot::kFirstSolutionParts;
 }
@@ -167,6 +180,20 @@ robot::LegAngles Body::predict(std::size_t side) {
     if (is_complete()) guess.angles[i] += std::clamp(next, -kMaxPrediction, kMaxPrediction);
   }
   return guess;
+}
+
+// The feet's headings are nearly linear in the yaw, and a Newton step with the slope at joint zero leaves
+// little. The next cycle's yaw is extrapolated as the other joints' angles are.
+void Body::follow_headings() {
+  if (!turns_feet_ || !is_complete()) return;
+  const Angle missing = solutions_[0].missing_heading - solutions_[1].missing_heading;
+  const Angle found = yaw_ + product<Angle>(std::clamp(missing, -kMaxPrediction, kMaxPrediction), per_turn_);
+  const Angle change = found - yaw_before_;
+  const Angle next = is_solved_ ? change + (change - yaw_change_) : Angle();
+  yaw_before_ = found;
+  yaw_change_ = change;
+  yaw_ = robot::clamp_to_limits(model_.joints[*shared_yaw_],
+                                found + std::clamp(next, -kMaxPrediction, kMaxPrediction));
 }
 
 void Body::solve(const Stance& stance, const Compliance& compliance, std::span<Angle> targets) {
@@ -188,13 +215,14 @@ void Body::solve(const Stance& stance, const Compliance& compliance, std::span<A
     const robot::LegAngles guess = follows ? predict(side) : robot::LegAngles();
     solution = robot::leg_inverse_kinematics(
         model_, geometry, X_BSole, follows ? &guess : nullptr,
-        is_complete() ? robot::FirstSolution::kAtOnce : robot::FirstSolution::kInParts);
+        is_complete() ? robot::FirstSolution::kAtOnce : robot::FirstSolution::kInParts, yaw_);
     robot::LegAngles leg = solution;
     compensate(side, stance, compliance, p_SupportB + from_trunk(geometry.p_BH_B, yaw, pitch), leg);
     leg.angles[kAnkleRoll] += signed_by(geometry.signs[kAnkleRoll], stance.tilts[side].roll);
     leg.angles[kAnklePitch] += signed_by(geometry.signs[kAnklePitch], stance.tilts[side].pitch);
     for (const robot::LegJoint i : geometry.chain()) targets[geometry.joints[i]] = leg.angles[i];
   }
+  follow_headings();
   is_solved_ = true;
   if (!is_complete()) --parts_left_;
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "firmware/robot/leg.h"
@@ -50,6 +51,10 @@ struct Compliance {
 // with the centre of mass c_i, the anchors a_j, the rotations R_j about the joints, and the second sum over
 // the joints on the trunk. Knees in front of that line move the CoM by 1 to 2 mm, in every step
 // alike; the parameter zmp_forward takes that up.
+//
+// Where one motor turns both hip yaws, its angle is the one with which both feet lack the same turn to their
+// headings: the feet then have the planned heading relative to each other, and the trunk is turned by what
+// they lack. That is little, because a walk plans the trunk's heading as the mean of the feet's.
 class Body {
  public:
   // `model` must outlive the body.
@@ -69,6 +74,11 @@ class Body {
   // and the targets are valid once it is complete. Legs with a closed form are complete after the first call.
   void begin_in_parts();
   [[nodiscard]] bool is_complete() const { return parts_left_ == 0; }
+  // Limit of the turn of a step: what one motor for both hip yaws can turn the feet against each other.
+  // Nothing for other hips.
+  [[nodiscard]] std::optional<fixed::Angle> max_turn() const {
+    return shared_yaw_ ? std::optional(max_turn_) : std::nullopt;
+  }
 
  private:
   // Returns the angles from which the Newton steps of a leg begin, and keeps the last solution for the next
@@ -77,6 +87,8 @@ class Body {
   void compensate(std::size_t side, const Stance& stance, const Compliance& compliance,
                   const robot::Position& p_SH, robot::LegAngles& leg) const;
 
+  // Finds the yaw of the next cycle by the headings that the feet lack in this one.
+  void follow_headings();
   [[gnu::cold]] void find_upper_body();
   [[nodiscard]] robot::Position upper_body_moment(std::span<const fixed::Angle> angles) const;
 
@@ -87,6 +99,13 @@ class Body {
   hal::BySide<robot::LegAngles> before_{};     // of the cycle before that
   hal::BySide<robot::LegAngles> changes_{};    // from the one before that to before_
   bool is_solved_ = false;
+  std::optional<robot::JointIndex> shared_yaw_;               // joint of one motor for both hip yaws
+  bool turns_feet_ = false;                                   // that turns the feet against each other
+  fixed::Angle max_turn_;                                     // of the feet, by it
+  fixed::Gain per_turn_;                                      // its turn per turn of the feet
+  fixed::Angle yaw_;                                          // its angle in the next cycle
+  fixed::Angle yaw_before_;                                   // the one that the last cycle found
+  fixed::Angle yaw_change_;                                   // from the one before that
   int parts_left_ = 0;                                        // of the first solution
   std::uint32_t upper_joints_ = 0;                            // of waist, arms and head; bit i: joint i
   std::array<robot::Position, robot::kMaxJoints> moments_{};  // m_i c_i + sum_j n_j a_j

@@ -331,6 +331,7 @@ void Walker::plan_landing() {
     stride_.turn -= product<Angle>(error, gait_.heading_hold);
     stride_.distance.x += gait_.forward_offset;
   }
+  if (const auto max_turn = body_.max_turn()) stride_.turn = std::clamp(stride_.turn, -*max_turn, *max_turn);
   const Foothold nominal = footsteps_.step(swing, stride_);
   const Gain growth = pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks - tick_));
   const Point end = scaled(com_.dcm + captured() - stance_.zmp, growth);

@@ -16,6 +16,7 @@
 #include "base/text/text.h"
 #include "base/text/user_units.h"
 #include "firmware/motion/roles.h"
+#include "firmware/robot/leg.h"
 #include "lab/bring_up/recovery.h"
 #include "lab/bring_up/recovery_motion.h"
 #include "lab/bring_up/robot_files.h"
@@ -209,9 +210,9 @@ class Climber {
     // Less than the highest speed, at which some robots fall with other seeds than those of the ladder: of an
     // imported one 1 of 5, and none at this share (28 November 2026).
     constexpr double kShare = 0.7;
-    const double forward_m_per_s =
-        journal_.walked_m_per_s ? kShare * *journal_.walked_m_per_s
-                                : 0.3 * values.value("highest_velocity_forward_mm_per_s") / 1e3;
+    const double forward_m_per_s = journal_.walked_m_per_s
+                                       ? kShare * *journal_.walked_m_per_s
+                                       : 0.3 * values.value("highest_velocity_forward_mm_per_s") / 1e3;
     std::string motions;
     for (const std::string& name : motion_names(files)) motions += (motions.empty() ? "" : ", ") + name;
     return fmt::format(
@@ -309,12 +310,11 @@ class Climber {
   Rung sidestep() { return walk_by(sideways_walk(), 0.0); }
   Rung turn() {
     // As the firmware's ability of this name (simulation/model/abilities.h).
-    if (!model_->model.find(robot::JointRole::kLeftHipYaw) ||
-        !model_->model.find(robot::JointRole::kRightHipYaw))
+    if (!robot::can_turn(model_->model))
       return {.name = {},
               .result = Rung::Result::kImpossible,
               .figure = {},
-              .cause = "legs without hip yaw do not turn the robot"};
+              .cause = "the hips do not turn the feet against each other"};
     return walk_by(turning_walk(), 0.0);
   }
 

@@ -35,6 +35,21 @@ double RobotDescription::total_mass_kg() const {
   return mass_kg;
 }
 
+std::vector<double> RobotDescription::hinge_positions_rad(std::vector<double> positions_rad) const {
+  for (const FollowerDescription& follower : followers)
+    positions_rad.push_back(
+        follower.position_rad(positions_rad.at(static_cast<std::size_t>(follower.leader))));
+  return positions_rad;
+}
+
+const FollowerDescription* RobotDescription::mirrored_follower(int joint) const {
+  const std::string partner = other_side(joints.at(static_cast<std::size_t>(joint)).role());
+  const auto found = std::ranges::find_if(followers, [&](const FollowerDescription& follower) {
+    return follower.leader == joint && follower.hinge.role() == partner;
+  });
+  return found == followers.end() ? nullptr : &*found;
+}
+
 std::optional<int> RobotDescription::find_joint(const std::string& name_or_role) const {
   if (const auto named = find_named(joints, name_or_role)) return named;
   const auto place = std::ranges::find(joints, name_or_role, &JointDescription::role);
@@ -56,9 +71,10 @@ std::optional<int> RobotDescription::foot_joint(hal::Side side) const {
   };
   const auto depth = [&](const JointDescription& joint) {
     int links = 0;
-    for (int link = joint.parent; link > 0 && links <= static_cast<int>(joints.size()); ++links) {
-      const auto carrier = std::ranges::find(joints, link, &JointDescription::child);
-      link = carrier == joints.end() ? 0 : carrier->parent;
+    for (int link = joint.parent; link > 0 && links <= static_cast<int>(hinge_count()); ++links) {
+      std::size_t carrier = 0;
+      while (carrier < hinge_count() && hinge(carrier).child != link) ++carrier;
+      link = carrier == hinge_count() ? 0 : hinge(carrier).parent;
     }
     return links;
   };
@@ -79,10 +95,26 @@ std::vector<MirroredJoint> RobotDescription::find_joints(const std::string& join
   if (const auto joint = find_joint(joint_name)) return {{*joint}};
   const auto left = find_joint("left_" + joint_name);
   const auto right = find_joint("right_" + joint_name);
+  if (left && !right && mirrored_follower(*left) != nullptr) return {{*left}};
   if (!left || !right) return {};
   const Eigen::Vector3d mirrored_M = mirrored_axis(joints[static_cast<std::size_t>(*left)].axis_M);
   const bool same = mirrored_M.dot(joints[static_cast<std::size_t>(*right)].axis_M) >= 0.0;
   return {{*left}, {*right, same ? 1 : -1}};
+}
+
+RobotDescription with_followers_as_joints(RobotDescription robot) {
+  // Beyond the leader's stops, which give way by less: the follower's own must never act.
+  constexpr double kMargin_rad = 0.05;
+  for (FollowerDescription& follower : robot.followers) {
+    const JointDescription& leader = robot.joints.at(static_cast<std::size_t>(follower.leader));
+    const auto [lower_rad, upper_rad] =
+        std::minmax({follower.position_rad(leader.lower_rad), follower.position_rad(leader.upper_rad)});
+    follower.hinge.lower_rad = lower_rad - kMargin_rad;
+    follower.hinge.upper_rad = upper_rad + kMargin_rad;
+    robot.joints.push_back(follower.hinge);
+  }
+  robot.followers.clear();
+  return robot;
 }
 
 Eigen::Vector3d mirrored_axis(const Eigen::Vector3d& axis) { return {-axis.x(), axis.y(), -axis.z()}; }

@@ -191,6 +191,17 @@ struct JointDescription {
   const std::string& role() const { return stated_role.empty() ? name : stated_role; }
 };
 
+// A hinge that the motor of another joint turns as well, such as the second hip yaw of a robot with one motor
+// for both (SDF 1.11, <mimic>). It has no servo, no encoder and no drive of its own.
+struct FollowerDescription {
+  JointDescription hinge;  // servo, encoder and drive are not used
+  int leader = -1;         // index of the joint whose motor turns it
+  double multiplier = 1.0;
+  double offset_rad = 0.0;
+
+  double position_rad(double leader_rad) const { return multiplier * leader_rad + offset_rad; }
+};
+
 // Errors and dynamics of one sampled group of axes. Each has its own class in sim_board/sensor;
 // docs/reference/sensors.md describes how they combine.
 struct ChannelDescription {
@@ -243,15 +254,25 @@ struct MirroredJoint {
 struct RobotDescription {
   std::string name;
   std::filesystem::path file;
-  int line = 0;                               // of the model in the file; 0: not from a file
-  std::vector<LinkDescription> links;         // links[0] is the base (trunk)
-  std::vector<JointDescription> joints;       // in the order of node ids; parents may be in any order
-  std::optional<BatteryDescription> battery;  // without it, each servo has its own supply
+  int line = 0;                                  // of the model in the file; 0: not from a file
+  std::vector<LinkDescription> links;            // links[0] is the base (trunk)
+  std::vector<JointDescription> joints;          // in the order of node ids; parents may be in any order
+  std::vector<FollowerDescription> followers{};  // hinges without a motor of their own
+  std::optional<BatteryDescription> battery;     // without it, each servo has its own supply
   std::optional<ImuDescription> imu;
   std::optional<AnkleSensorDescription> left_ankle;
   std::optional<AnkleSensorDescription> right_ankle;
 
   double total_mass_kg() const;
+  // All hinges: the joints, then the followers.
+  std::size_t hinge_count() const { return joints.size() + followers.size(); }
+  const JointDescription& hinge(std::size_t index) const {
+    return index < joints.size() ? joints[index] : followers.at(index - joints.size()).hinge;
+  }
+  // Returns the positions of all hinges for those of the joints.
+  std::vector<double> hinge_positions_rad(std::vector<double> positions_rad) const;
+  // Returns the follower that is the joint's counterpart on the other side and follows it; or null.
+  const FollowerDescription* mirrored_follower(int joint) const;
   // Names in the order of `joints` and `links`.
   std::vector<std::string> joint_names() const;
   std::vector<std::string> link_names() const;
@@ -270,6 +291,10 @@ struct RobotDescription {
   // roles are left_ and right_ plus this name, where the right one mirrors the left. Empty if there is none.
   std::vector<MirroredJoint> find_joints(const std::string& joint_name) const;
 };
+
+// Returns the robot for a physics engine: each follower is a joint, behind all others, whose range is that
+// which its leader's stops leave it. The followers' numbers in `joints` follow from their order.
+RobotDescription with_followers_as_joints(RobotDescription robot);
 
 // Returns the axis about which the mirror image (in the plane y = 0) of a rotation by q about `axis` is again
 // a rotation by q.

@@ -49,6 +49,7 @@ void find_servo_faults(const XmlNode& servo_type, FaultList& faults);
 void find_sensor_faults(const XmlNode& sensor, FaultList& faults);
 void find_ankle_faults(const XmlNode& sensor, FaultList& faults);  // of a joint's sensor
 void find_unit_faults(const XmlNode& model, FaultList& faults);
+void find_coupling_faults(const XmlNode& model, FaultList& faults);  // of the joints with <mimic>
 // Find the faults of the model as a whole; all references must be sound.
 void find_tree_faults(const XmlNode& model, const ModelFrames& frames, FaultList& faults);
 void find_role_faults(const XmlNode& model, FaultList& faults);

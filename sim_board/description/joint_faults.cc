@@ -8,6 +8,7 @@
 #include "base/text/text.h"
 #include "sim_board/description/description.h"
 #include "sim_board/description/fault_list.h"
+#include "sim_board/description/load_parts.h"
 #include "sim_board/description/schema/roles.h"
 
 namespace koboshi::sim_board {
@@ -34,6 +35,7 @@ void find_range_faults(const XmlNode& joint, FaultList& faults) {
                "lower " + number_text(lower_rad) + " and upper " + number_text(upper_rad),
                "lower below upper");
   }
+  if (is_follower(joint)) return;
   const XmlNode drive = joint.child("koboshi:drive");
   const auto sign = static_cast<double>(drive.attribute_integer("sign", DriveDescription().sign));
   const double zero_rad = drive.attribute_number("zero_rad", 0.0);
@@ -46,6 +48,21 @@ void find_range_faults(const XmlNode& joint, FaultList& faults) {
                "less than half a turn to either side", "zero_rad");
     return;
   }
+}
+
+// A follower has no drive, and neither a sensor that measures what a drive's joint carries.
+void find_follower_faults(const XmlNode& joint, FaultList& faults) {
+  constexpr double kMinMultiplier = 0.05;
+  const XmlNode multiplier = joint.child("axis").child("mimic").child("multiplier");
+  if (std::abs(multiplier.numbers().front()) < kMinMultiplier)
+    faults.add(RobotFaultKind::kCoupling, multiplier,
+               "a multiplier of " + number_text(multiplier.numbers().front()),
+               "at least 0.05 or at most -0.05");
+  for (const char* part : {"koboshi:servo", "koboshi:encoder", "koboshi:drive", "sensor"})
+    if (const auto node = joint.find(part))
+      faults.add(RobotFaultKind::kCoupling, *node,
+                 "<" + std::string(part) + "> of " + joint.attribute("name") + ", which has <mimic>",
+                 "that element on the joint that it follows, or no <mimic>");
 }
 
 // A joint's role, and the element that states it: <koboshi:role>, or the joint whose name it is.
@@ -106,9 +123,32 @@ void find_role_faults(const XmlNode& model, FaultList& faults) {
   }
 }
 
+void find_coupling_faults(const XmlNode& model, FaultList& faults) {
+  std::map<std::string, XmlNode> joints;
+  for (const XmlNode& joint : faults.sound_children(model, "joint"))
+    joints.emplace(joint.attribute("name"), joint);
+  std::map<std::string, std::string> follower_of;
+  for (const auto& [name, joint] : joints) {
+    if (!is_follower(joint)) continue;
+    const XmlNode mimic = joint.child("axis").child("mimic");
+    const std::string leader = mimic.attribute("joint");
+    const auto found = joints.find(leader);
+    const bool has_drive = found != joints.end() && !is_follower(found->second);
+    const auto [first, is_new] = follower_of.emplace(leader, name);
+    if (!has_drive) {
+      faults.add(RobotFaultKind::kCoupling, mimic, "joint = " + one_line(leader),
+                 "the name of a joint with a drive", "joint");
+    } else if (!is_new) {
+      faults.add(RobotFaultKind::kCoupling, mimic, "joint = " + one_line(leader) + ", as of " + first->second,
+                 "one follower of a joint", "joint");
+    }
+  }
+}
+
 void find_joint_faults(const XmlNode& joint, FaultList& faults) {
   find_axis_faults(joint.child("axis").child("xyz"), faults);
   find_range_faults(joint, faults);
+  if (is_follower(joint)) find_follower_faults(joint, faults);
   for (const XmlNode& sensor : joint.children("sensor")) find_ankle_faults(sensor, faults);
 }
 

@@ -25,11 +25,15 @@ void load_links(const XmlNode& model, const ModelFrames& frames, RobotDescriptio
 void load_joints(const XmlNode& model, const ModelFrames& frames, ServoLibraries& libraries,
                  RobotDescription& robot) {
   const ServoTypes servo_types = load_servo_types(model, robot.file.parent_path(), libraries);
-  for (const XmlNode& node : model.children("joint"))
-    robot.joints.push_back(load_joint(node, frames, robot, servo_types));
+  const std::vector<XmlNode> nodes = model.children("joint");
+  for (const XmlNode& node : nodes)
+    if (!is_follower(node)) robot.joints.push_back(load_joint(node, frames, robot, servo_types));
   std::sort(
       robot.joints.begin(), robot.joints.end(),
       [](const JointDescription& a, const JointDescription& b) { return a.drive.node_id < b.drive.node_id; });
+  for (const XmlNode& node : nodes)
+    if (is_follower(node))
+      robot.followers.push_back(load_follower(node, load_joint(node, frames, robot, servo_types), robot));
 }
 
 XmlFile open_file(const std::filesystem::path& file, const std::string& text) {

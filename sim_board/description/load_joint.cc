@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "sim_board/description/load_parts.h"
@@ -64,6 +65,10 @@ JointDescription load_joint(const XmlNode& node, const ModelFrames& frames, cons
   description.upper_rad = axis.child("limit").number("upper");
   description.max_speed_rad_per_s = axis.child("limit").number("velocity");
 
+  description.stated_role = text_or_empty(node, "koboshi:role");
+  description.stated_mirror = text_or_empty(node, "koboshi:mirror");
+  description.maker = load_maker(node);
+  if (is_follower(node)) return description;
   const XmlNode servo = node.child("koboshi:servo");
   const auto type = servo_types.find(servo.attribute("type"));
   if (type == servo_types.end())
@@ -72,10 +77,29 @@ JointDescription load_joint(const XmlNode& node, const ModelFrames& frames, cons
   description.servo = behind_gear(type->second, description.gear);
   description.encoder = load_encoder(node.child("koboshi:encoder"));
   description.drive = load_drive(node.child("koboshi:drive"));
-  description.stated_role = text_or_empty(node, "koboshi:role");
-  description.stated_mirror = text_or_empty(node, "koboshi:mirror");
-  description.maker = load_maker(node);
   return description;
+}
+
+bool is_follower(const XmlNode& joint) { return joint.child("axis").find("mimic").has_value(); }
+
+FollowerDescription load_follower(const XmlNode& node, const JointDescription& hinge,
+                                  const RobotDescription& robot) {
+  const XmlNode mimic = node.child("axis").child("mimic");
+  const auto value = [&](const char* key) {
+    const auto child = mimic.find(key);
+    return child ? child->numbers().front() : 0.0;
+  };
+  FollowerDescription follower{.hinge = hinge,
+                               .leader = robot.find_joint(mimic.attribute("joint")).value(),
+                               .multiplier = mimic.number("multiplier")};
+  follower.offset_rad = value("offset") - follower.multiplier * value("reference");
+  const JointDescription& leader = robot.joints[static_cast<std::size_t>(follower.leader)];
+  follower.hinge.lower_rad =
+      std::min(follower.position_rad(leader.lower_rad), follower.position_rad(leader.upper_rad));
+  follower.hinge.upper_rad =
+      std::max(follower.position_rad(leader.lower_rad), follower.position_rad(leader.upper_rad));
+  follower.hinge.max_speed_rad_per_s = std::abs(follower.multiplier) * leader.max_speed_rad_per_s;
+  return follower;
 }
 
 }  // namespace koboshi::sim_board

@@ -26,6 +26,12 @@ ServoTypes load_servo_types(const XmlNode& model_node, const std::filesystem::pa
 JointDescription load_joint(const XmlNode& node, const ModelFrames& frames, const RobotDescription& robot,
                             const ServoTypes& servo_types);
 
+// Whether a joint has <mimic>: it becomes a follower instead of a joint.
+bool is_follower(const XmlNode& joint);
+// `hinge`: what load_joint() returns for this node. Requires that the robot's joints are already loaded.
+FollowerDescription load_follower(const XmlNode& node, const JointDescription& hinge,
+                                  const RobotDescription& robot);
+
 // Each function adds the sensors of a link or a joint to the robot.
 void load_imus(const XmlNode& link_node, const ModelFrames& frames, RobotDescription& robot);
 void load_ankle_sensors(const XmlNode& joint_node, const ModelFrames& frames, RobotDescription& robot);

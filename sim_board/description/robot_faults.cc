@@ -6,6 +6,7 @@
 
 #include "base/text/text.h"
 #include "sim_board/description/fault_list.h"
+#include "sim_board/description/load_parts.h"
 #include "sim_board/description/reserved_nodes.h"
 #include "sim_board/description/schema/sdf_version.h"
 #include "sim_board/description/servo_types.h"
@@ -166,6 +167,7 @@ void find_servo_type_faults(const XmlNode& model, const std::filesystem::path& f
   }
   if (!is_complete) return;
   for (const XmlNode& joint : faults.sound_children(model, "joint")) {
+    if (is_follower(joint)) continue;
     const XmlNode servo = joint.child("koboshi:servo");
     if (!types.contains(servo.attribute("type")))
       faults.add(RobotFaultKind::kReference, servo, "type = " + one_line(servo.attribute("type")),
@@ -176,6 +178,7 @@ void find_servo_type_faults(const XmlNode& model, const std::filesystem::path& f
 void find_node_id_faults(const XmlNode& model, FaultList& faults) {
   std::set<std::int64_t> node_ids;
   for (const XmlNode& joint : faults.sound_children(model, "joint")) {
+    if (is_follower(joint)) continue;
     const XmlNode drive = joint.child("koboshi:drive");
     const std::int64_t node_id = drive.attribute_integer("node_id");
     if (!node_ids.insert(node_id).second)
@@ -232,6 +235,7 @@ std::vector<RobotFault> find_robot_faults(const XmlNode& model, const std::files
     references.check_joint(joint);
     find_joint_faults(joint, faults);
   }
+  find_coupling_faults(model, faults);
   for (const XmlNode& frame : faults.sound_children(model, "frame")) references.check_frame_element(frame);
   const bool is_tree_known = faults.is_whole() && has_sound_names(faults);
   find_servo_type_faults(model, folder, libraries, faults);

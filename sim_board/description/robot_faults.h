@@ -27,6 +27,7 @@ enum class RobotFaultKind {
   kShape,      // a visual with none or several, a direction of friction that is zero
   kServoType,  // values that contradict each other
   kSensor,     // values that contradict each other, a second sensor, an ankle without a sole
+  kCoupling,   // a joint with <mimic> that has a drive, or follows a joint that cannot lead it
   kUnit        // a value that no robot of this size has
 };
 

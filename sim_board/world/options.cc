@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace koboshi::sim_board {
 
@@ -30,6 +31,11 @@ WorldOptions checked(WorldOptions options, const RobotDescription& robot) {
   if (options.joint_positions_rad.empty()) options.joint_positions_rad.assign(robot.joints.size(), 0.0);
   if (options.joint_positions_rad.size() != robot.joints.size())
     throw std::invalid_argument("not as many starting positions as joints");
+  return options;
+}
+
+WorldOptions with_follower_positions(WorldOptions options, const RobotDescription& robot) {
+  options.joint_positions_rad = robot.hinge_positions_rad(std::move(options.joint_positions_rad));
   return options;
 }
 

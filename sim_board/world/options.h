@@ -59,4 +59,7 @@ struct WorldOptions {
 // this robot.
 WorldOptions checked(WorldOptions options, const RobotDescription& robot);
 
+// Appends the initial positions of the followers to those of the joints, for with_followers_as_joints().
+WorldOptions with_follower_positions(WorldOptions options, const RobotDescription& robot);
+
 }  // namespace koboshi::sim_board

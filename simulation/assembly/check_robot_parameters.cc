@@ -232,7 +232,7 @@ class RobotParameterCheck {
 
   void check_touchdown() const {
     double mass_kg = to_double(model_.base_mass);
-    for (std::size_t i = 0; i < model_.joint_count; ++i) mass_kg += to_double(model_.joints[i].mass);
+    for (std::size_t i = 0; i < model_.hinge_count(); ++i) mass_kg += to_double(model_.joints[i].mass);
     const double weight_N = mass_kg * sim_board::kGravity_m_per_s2;
     if (0.01 * values_.walk.reaction.touchdown_load_cN <= weight_N) return;
     throw error({kReactions, 5}, fmt::format("at most {:.3g} N, the weight of the robot", weight_N),

@@ -115,7 +115,7 @@ void WalkingPose::compensate_sag(const GaitInstant& instant, const Isometry3d& X
     const auto chain = legs_[side].chain();
     for (auto i = chain.rbegin(); i != chain.rend(); ++i) {
       const std::size_t joint_index = legs_[side].joints[*i];
-      const sim_board::JointDescription& joint = robot_.joints[joint_index];
+      const sim_board::JointDescription& joint = robot_.hinge(legs_[side].hinges[*i]);
       const auto child = static_cast<std::size_t>(joint.child);
       const sim_board::LinkDescription& link = robot_.links[child];
       const Vector3d weight_W(0.0, 0.0, -link.mass_kg * g);
@@ -123,8 +123,10 @@ void WalkingPose::compensate_sag(const GaitInstant& instant, const Isometry3d& X
       moment_W += (X_WLs[child] * link.p_LCom_L).cross(weight_W);
       const Vector3d axis_W = X_WLs[child].linear() * joint.axis_M;
       const Vector3d anchor_W = X_WLs[child].translation();
+      if (*i == robot::kHipYaw && legs_[side].shares_yaw) continue;  // of both legs
       const double load_Nm = axis_W.dot(moment_W - anchor_W.cross(force_W));
-      angles_rad[joint_index] -= gait_.sag_compensation * load_Nm / stiffness_Nm_per_rad(joint.servo);
+      angles_rad[joint_index] -=
+          gait_.sag_compensation * load_Nm / stiffness_Nm_per_rad(robot_.joints[joint_index].servo);
     }
   }
 }

@@ -25,7 +25,8 @@ constexpr std::array<AbilityText, robot::kAbilities> kTexts{{
     {"walking", "legs that cannot walk",
      "legs with hip_roll, hip_pitch, knee, ankle_pitch and ankle_roll, from the base down, as names or roles "
      "(koboshi model map proposes roles)"},
-    {"turning", "legs that cannot turn the robot while it walks", "legs that walk, with hip_yaw"},
+    {"turning", "legs that cannot turn the robot while it walks",
+     "legs that walk, with hip_yaw; one motor for both has to turn the feet against each other"},
     {"arm_swing", "arms that cannot swing while the robot walks",
      "shoulder_pitch on both sides, and legs that walk"},
 }};

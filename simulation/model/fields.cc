@@ -61,8 +61,8 @@ robot::JointRole role_of(const std::string& role) {
 // Converts a link's index to the firmware's numbering.
 robot::LinkIndex link_index(const RobotDescription& robot, int link) {
   if (link == 0) return {};
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    if (robot.joints[i].child == link) return robot::LinkIndex(robot::JointIndex(i));
+  for (std::size_t i = 0; i < robot.hinge_count(); ++i) {
+    if (robot.hinge(i).child == link) return robot::LinkIndex(robot::JointIndex(i));
   }
   throw InputError(robot.file, robot.links.at(static_cast<std::size_t>(link)).line,
                    "a link that no joint carries, " + robot.links.at(static_cast<std::size_t>(link)).name,
@@ -71,6 +71,13 @@ robot::LinkIndex link_index(const RobotDescription& robot, int link) {
 
 void set_mirror(const RobotDescription& robot, std::size_t index, robot::Joint& joint) {
   const JointDescription& described = robot.joints[index];
+  // The image of a joint that moves both sides is the joint itself.
+  if (const auto* follower = robot.mirrored_follower(static_cast<int>(index))) {
+    const double cosine = sim_board::mirrored_axis(described.axis_M).dot(follower->hinge.axis_M);
+    joint.mirror = robot::JointIndex(index);
+    joint.mirror_sign = cosine * follower->multiplier < 0.0 ? std::int8_t{-1} : std::int8_t{1};
+    return;
+  }
   const int mirror = robot.mirror_of(static_cast<int>(index));
   const std::string& partner = robot.joints.at(static_cast<std::size_t>(mirror)).name;
   joint.mirror = robot::JointIndex(mirror);
@@ -155,20 +162,21 @@ fixed::Angle limit(double angle_rad) {
   return from_double<fixed::Angle>(std::clamp(angle_rad, -std::numbers::pi, std::numbers::pi));
 }
 
+// Of a joint or, behind these, of a follower.
 robot::Joint joint_fields(const RobotDescription& robot, const BaseFrame& frame, std::size_t index) {
-  const JointDescription& described = robot.joints[index];
+  const JointDescription& described = robot.hinge(index);
   robot::Joint joint;
   joint.role = role_of(described.role());
   joint.parent = link_index(robot, described.parent);
-  set_mirror(robot, index, joint);
+  if (index < robot.joints.size()) set_mirror(robot, index, joint);
   const Vector3d parent_M = joint.parent.is_trunk() ? Vector3d(robot.links[0].X_ML.translation())
-                                                    : robot.joints[joint.parent.joint()].p_MJ;
+                                                    : robot.hinge(joint.parent.joint()).p_MJ;
   joint.anchor = frame.offset(parent_M, described.p_MJ);
   joint.axis = frame.direction(described.axis_M);
   joint.lower = limit(described.lower_rad);
   joint.upper = limit(described.upper_rad);
   joint.max_speed = from_double<fixed::AngularRate>(described.max_speed_rad_per_s);
-  joint.drive = drive_fields(described.drive);
+  if (index < robot.joints.size()) joint.drive = drive_fields(described.drive);
   joint.mass = mass_of(robot, static_cast<std::size_t>(described.child));
   joint.centre_of_mass = frame.offset(described.p_MJ, frame.centre_of_mass_M(described.child));
   return joint;
@@ -234,9 +242,15 @@ void check_fields(const RobotDescription& robot, const JointDescription& joint, 
 
 robot::RobotModel model_fields(const RobotDescription& robot, std::vector<InputError>& errors) {
   robot::RobotModel model;
-  if (robot.joints.empty() || robot.joints.size() > robot::kMaxJoints) {
-    errors.emplace_back(robot.file, robot.line, std::to_string(robot.joints.size()) + " joints",
+  if (robot.joints.empty() || robot.hinge_count() > robot::kMaxJoints) {
+    errors.emplace_back(robot.file, robot.line, std::to_string(robot.hinge_count()) + " joints",
                         "1 to " + std::to_string(robot::kMaxJoints));
+    return model;
+  }
+  if (robot.followers.size() > robot::kMaxFollowers) {
+    errors.emplace_back(robot.file, robot.line,
+                        std::to_string(robot.followers.size()) + " joints with <mimic>",
+                        "at most " + std::to_string(robot::kMaxFollowers));
     return model;
   }
   const BaseFrame frame(robot);
@@ -245,13 +259,18 @@ robot::RobotModel model_fields(const RobotDescription& robot, std::vector<InputE
   collect_error(errors, [&] { check_bus_load(robot); });
   const std::size_t errors_before = errors.size();
   model.joint_count = robot.joints.size();
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+  model.follower_count = robot.followers.size();
+  for (std::size_t i = 0; i < robot.hinge_count(); ++i) {
     collect_error(errors, [&] {
-      check_joint(robot, robot.joints[i]);
+      check_joint(robot, robot.hinge(i));
       model.joints[i] = joint_fields(robot, frame, i);
-      check_fields(robot, robot.joints[i], model.joints[i]);
+      check_fields(robot, robot.hinge(i), model.joints[i]);
     });
   }
+  for (std::size_t i = 0; i < robot.followers.size(); ++i)
+    model.couplings[i] = {.leader = robot::JointIndex(robot.followers[i].leader),
+                          .multiplier = from_double<fixed::Gain>(robot.followers[i].multiplier),
+                          .offset = from_double<fixed::Angle>(robot.followers[i].offset_rad)};
   if (errors.size() == errors_before) find_leg_faults(robot, model, errors);
   collect_error(errors, [&] {
     model.base_mass = mass_of(robot, 0);

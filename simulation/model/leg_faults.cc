@@ -42,6 +42,10 @@ class LegFaults {
     const std::size_t errors_before = errors_.size();
     check_order();
     for (const std::size_t i : joints_) check_axis(i);
+    for (const std::size_t i : joints_)
+      if (i != robot::kHipYaw && model_.is_follower(robot::JointIndex(indices_[i])))
+        add(i, name(i) + " with <mimic>",
+            "a drive, or hip_yaw: one motor may turn both hip yaws, no other joints of the legs");
     robot::LegGeometry leg;
     if (errors_.size() == errors_before && !robot::make_leg_geometry(model_, side_, leg)) {
       add(robot::kKnee, "a " + prefix_ + "leg whose joints cannot move the sole in all directions",
@@ -56,7 +60,7 @@ class LegFaults {
     const std::string& name = joint(i).name;
     return name == role(i) ? name : name + " (" + role(i) + ")";
   }
-  const JointDescription& joint(std::size_t i) const { return robot_.joints[indices_[i]]; }
+  const JointDescription& joint(std::size_t i) const { return robot_.hinge(indices_[i]); }
   void add(std::size_t i, const std::string& found, const std::string& expected) {
     errors_.emplace_back(robot_.file, joint(i).line, found, expected);
   }
@@ -64,7 +68,7 @@ class LegFaults {
   bool find_joints() {
     bool complete = true;
     for (std::size_t i = 0; i < kLegJoints; ++i) {
-      if (const auto index = model_.find(robot::leg_role(side_, i))) {
+      if (const auto index = model_.find_hinge(robot::leg_role(side_, i))) {
         indices_[i] = *index;
         joints_.push_back(i);
         continue;
@@ -141,17 +145,17 @@ void find_missing_mirrors(const RobotDescription& robot, const robot::RobotModel
                           std::vector<InputError>& errors) {
   const auto has_leg = [&](hal::Side side) {
     for (std::size_t i = 0; i < kLegJoints; ++i)
-      if (model.find(robot::leg_role(side, i))) return true;
+      if (model.find_hinge(robot::leg_role(side, i))) return true;
     return false;
   };
   if (!has_leg(hal::Side::kLeft) || !has_leg(hal::Side::kRight)) return;
   for (std::size_t i = 0; i < kLegJoints; ++i) {
-    const auto left = model.find(robot::leg_role(hal::Side::kLeft, i));
-    const auto right = model.find(robot::leg_role(hal::Side::kRight, i));
+    const auto left = model.find_hinge(robot::leg_role(hal::Side::kLeft, i));
+    const auto right = model.find_hinge(robot::leg_role(hal::Side::kRight, i));
     if (left.has_value() == right.has_value()) continue;
     const std::string present = (left ? "left_" : "right_") + std::string(kNames[i]);
     const std::string missing = (left ? "right_" : "left_") + std::string(kNames[i]);
-    errors.emplace_back(robot.file, robot.joints[left ? *left : *right].line,
+    errors.emplace_back(robot.file, robot.hinge(left ? *left : *right).line,
                         "no joint " + missing + " beside " + present,
                         "both or neither; `koboshi model map` proposes roles");
   }

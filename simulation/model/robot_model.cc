@@ -72,7 +72,19 @@ void write_sensors(ImageWriter& writer, const robot::RobotModel& model) {
   }
 }
 
-constexpr std::array<std::string_view, 16> kModelStatusTexts{
+// Only of a robot that has any.
+void write_followers(ImageWriter& writer, const robot::RobotModel& model) {
+  if (model.follower_count == 0) return;
+  writer.u8(static_cast<std::uint8_t>(model.follower_count));
+  for (std::size_t i = 0; i < model.follower_count; ++i) {
+    write_joint(writer, model.joints[model.joint_count + i]);
+    writer.u8(static_cast<std::uint8_t>(model.couplings[i].leader));
+    writer.quantity(model.couplings[i].multiplier);
+    writer.quantity(model.couplings[i].offset);
+  }
+}
+
+constexpr std::array<std::string_view, 17> kModelStatusTexts{
     "a good robot model",
     "a robot model cut short",
     "something that is no robot model",
@@ -89,6 +101,7 @@ constexpr std::array<std::string_view, 16> kModelStatusTexts{
     "two joints with one role",
     "a left-right table that does not lead back",
     "a side without a leg, or a leg with joints that cannot move its sole in all directions",
+    "a joint that follows another one which has no drive or a second follower, or at a ratio out of range",
 };
 
 std::optional<robot::Position> hand_tip(const RobotDescription& robot, const robot::RobotModel& model,
@@ -119,6 +132,7 @@ std::vector<std::byte> make_image(const RobotDescription& robot, std::vector<Inp
   write_body(writer, fields);
   for (std::size_t i = 0; i < fields.joint_count; ++i) write_joint(writer, fields.joints[i]);
   write_sensors(writer, fields);
+  write_followers(writer, fields);
   std::vector<std::byte> image = writer.finish(robot::kModelMagic, robot::kModelVersion);
   robot::RobotModel loaded;
   const robot::ModelStatus status = robot::load_model(image, loaded);

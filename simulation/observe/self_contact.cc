@@ -39,7 +39,7 @@ std::optional<SelfContact> SelfContacts::observe(const sim_board::World& world, 
 }
 
 void SelfContacts::find_obstructed_joint(SelfContact& contact, const Telemetry& said) const {
-  for (std::size_t joint = 0; joint < tree_.hinges().size(); ++joint) {
+  for (std::size_t joint = 0; joint < tree_.free_hinges(); ++joint) {
     const std::size_t child = tree_.hinges()[joint].child;
     const bool is_between = tree_.carries(child, static_cast<std::size_t>(contact.link)) !=
                             tree_.carries(child, static_cast<std::size_t>(contact.other_link));

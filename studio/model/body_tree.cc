@@ -56,10 +56,11 @@ void BodyTree::show_robot(const ModelDocument& document) {
 void BodyTree::add_body(QTreeWidgetItem& parent, const sim_board::RobotDescription& robot, int link) {
   auto* item = new QTreeWidgetItem(
       &parent, {QString::fromStdString(robot.links[static_cast<std::size_t>(link)].name)});
-  for (const sim_board::JointDescription& joint : robot.joints)
+  for (std::size_t i = 0; i < robot.hinge_count(); ++i) {
+    const sim_board::JointDescription& joint = robot.hinge(i);
     if (joint.child == link) item->setText(kJoint, QString::fromStdString(joint.name));
-  for (const sim_board::JointDescription& joint : robot.joints)
     if (joint.parent == link) add_body(*item, robot, joint.child);
+  }
 }
 
 void BodyTree::mark(const std::set<std::string>& elements) {

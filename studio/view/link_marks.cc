@@ -48,7 +48,8 @@ double distance_to_segment_px(const Eigen::Vector2d& from_px, const Eigen::Vecto
 
 std::vector<JointAxis> joint_axes(const sim_board::RobotDescription& robot) {
   std::vector<JointAxis> axes;
-  for (const sim_board::JointDescription& joint : robot.joints) {
+  for (std::size_t i = 0; i < robot.hinge_count(); ++i) {
+    const sim_board::JointDescription& joint = robot.hinge(i);
     const Eigen::Isometry3d X_LM = robot.links[static_cast<std::size_t>(joint.child)].X_ML.inverse();
     const Eigen::Matrix3d R_MP = robot.links[static_cast<std::size_t>(joint.parent)].X_ML.linear();
     axes.push_back({.name = joint.name,

@@ -1,5 +1,7 @@
-"""Robots with twelve leg geometries stand, squat and step on the spot with one firmware."""
+"""Robots with thirteen leg geometries stand, squat and step on the spot with one firmware."""
 
+import csv
+import math
 import pathlib
 import re
 import shutil
@@ -45,6 +47,20 @@ def at_45_degrees(text):
     return turned(turned(text, "hip_yaw", "-0.70710678 0 0.70710678"), "hip_roll", "0.70710678 0 0.70710678")
 
 
+def with_one_motor(text, multiplier):
+    """Lets the left hip yaw's motor turn the right one as well."""
+    text, count = re.subn(r'(<joint name="right_hip_yaw".*?)( *</axis>).*?(    </joint>)',
+                          rf'\g<1><mimic joint="left_hip_yaw"><multiplier>{multiplier}</multiplier></mimic>\n\g<2>\n\g<3>',
+                          text, count=1, flags=re.DOTALL)
+    assert count == 1
+    return text
+
+
+def nao_hips(text):
+    """Both hip yaws at 45 degrees about the axis to the side, turned by one motor as those of a NAO."""
+    return with_one_motor(turned(text, "hip_yaw", "0 -0.70710678 0.70710678", "0 0.70710678 0.70710678"), -1)
+
+
 # What differs from the default robot, in m.
 GEOMETRIES = {
     "hip axes 0.1 mm apart": lambda text: moved(text, "hip_roll_link", (0.0001, 0, 0)),
@@ -58,6 +74,7 @@ GEOMETRIES = {
     "ankle axes 10 mm apart": lambda text: moved(text, "foot", (0.005, 0.003, -0.008)),
     "hip and ankle offsets": lambda text: moved(moved(text, "thigh", (0.004, 0.004, -0.01)), "foot", (0.003, -0.002, -0.006)),
     "a knee aside": lambda text: moved(text, "shank", (0.004, 0.003, 0)),
+    "one motor for hips at 45 degrees": nao_hips,
     "an oblique hip pitch": lambda text: turned(text, "hip_pitch", "0 0.99498744 0.1", "0 0.99498744 -0.1"),
 }
 
@@ -74,9 +91,31 @@ class LegGeometries(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
         return result.stdout
 
+    def turning(self, change, command):
+        """Walks on the spot, then by a command. Returns the turn in degrees and the output."""
+        robot = self.folder / "robot"
+        shutil.copytree(ROBOT, robot, dirs_exist_ok=True)
+        (robot / "robot.sdf").write_text(change((ROBOT / "robot.sdf").read_text()))
+        scenario = self.folder / "turn.yaml"
+        text = (support.ROOT / "scenarios" / "go.yaml").read_text()
+        head, _ = text.split("  - {at_s: 6, walk:")
+        scenario.write_text(head + "  - {at_s: 5, walk: {" + command + "}}\n")
+        output = self.play(robot, scenario, "--duration", "10")
+        with open(self.folder / "run" / "trace.csv", newline="") as file:
+            last = list(csv.DictReader(file))[-1]
+        return math.degrees(float(last["true_yaw_rad"])), output
+
+    def test_one_motor_for_both_hip_yaws_turns_the_robot(self):
+        for name, hips in {"upright": lambda text: with_one_motor(text, -1), "at 45 degrees": nao_hips}.items():
+            with self.subTest(name):
+                turn_deg, output = self.turning(hips, "turn_rad_per_s: 0.4")
+                self.assertIn("walks; did not fall; 0 faults", output)
+                self.assertGreater(turn_deg, 105)  # of 115 by command
+                self.assertLess(turn_deg, 125)
+
     def test_each_stands_squats_and_steps_on_the_spot(self):
         text = (ROBOT / "robot.sdf").read_text()
-        self.assertEqual(len(GEOMETRIES), 12)
+        self.assertEqual(len(GEOMETRIES), 13)
         for name, change in GEOMETRIES.items():
             with self.subTest(name):
                 robot = self.folder / "robot"

@@ -31,7 +31,7 @@ class Body {
   // The robot needs both ankle sensors: they say which links are feet.
   explicit Body(const sim_board::RobotDescription& robot);
 
-  std::size_t joint_count() const { return dynamics_.tree().hinges().size(); }
+  std::size_t joint_count() const { return dynamics_.tree().free_hinges(); }
   // Computes the poses of all links in B, by index of RobotDescription::links.
   void place(std::span<const double> angles_rad, std::vector<Eigen::Isometry3d>& X_BLs) const {
     dynamics_.tree().poses(Eigen::Isometry3d::Identity(), angles_rad, X_BLs);

@@ -320,10 +320,11 @@ class Retargeter {
     return com;
   }
 
-  // A robot without hip yaw keeps the headings of its feet.
+  // A robot without hip yaw keeps the headings of its feet, and so does one with one motor for both.
   simulation::Target reachable(const Vector3d& p, const Vector3d& rpy) const {
     simulation::Target target = simulation::target_of(p, rpy);
-    if (!to_.robot().model.find(JointRole::kLeftHipYaw)) target.rpy_rad[2].reset();
+    const robot::RobotModel& model = to_.robot().model;
+    if (!model.find_hinge(JointRole::kLeftHipYaw) || robot::shared_yaw(model)) target.rpy_rad[2].reset();
     return target;
   }
 

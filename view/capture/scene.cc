@@ -103,8 +103,8 @@ std::vector<Link> links_of(const sim_board::RobotDescription& robot, std::vector
       link.collisions.push_back(shape_of(box));
     links.push_back(std::move(link));
   }
-  for (const sim_board::JointDescription& joint : robot.joints)
-    links[static_cast<std::size_t>(joint.child)].parent = joint.parent;
+  for (std::size_t i = 0; i < robot.hinge_count(); ++i)
+    links[static_cast<std::size_t>(robot.hinge(i).child)].parent = robot.hinge(i).parent;
   return links;
 }
 

@@ -7,7 +7,38 @@ namespace koboshi::sim_board {
 namespace {
 
 using enum XmlContent;
+
+const std::string kMimicSource = "SDF 1.11; decision 46";
 using enum XmlCount;
+
+// A joint with it has no servo, encoder and drive.
+const std::string kMimic = "axis/mimic";
+
+XmlRule not_of_followers(XmlRule rule) {
+  rule.unless = kMimic;
+  rule.note.meaning += "; none for a joint that has `mimic`";
+  return rule;
+}
+
+XmlRule mimic() {
+  constexpr NumberRange kAngle_rad{.min = -3.2, .max = 3.2};
+  return group_rule(
+      "mimic", kOptional,
+      {.meaning =
+           "the motor of another joint turns this one as well: angle = multiplier * (angle of that joint - "
+           "reference) + offset; the range is that which the other joint's leaves it, whatever `limit` says",
+       .source = kMimicSource},
+      {number_rule(
+           "multiplier", kRequired, {.min = -8, .max = 8},
+           {"1", "", "turns of this joint per turn of the other one, not within 0.05 of zero", kMimicSource}),
+       number_rule("offset", kOptional, kAngle_rad,
+                   {"rad", "0", "angle of this joint where the other one is at `reference`", kMimicSource}),
+       number_rule("reference", kOptional, kAngle_rad,
+                   {"rad", "0", "angle of the other joint", kMimicSource})},
+      {text_attribute("joint", true,
+                      {.meaning = "name of the other joint, which has a drive and no other follower",
+                       .source = kMimicSource})});
+}
 
 XmlRule axis() {
   constexpr NumberRange kLimit_rad{.min = -1000, .max = 1000};
@@ -21,7 +52,7 @@ XmlRule axis() {
        .source = kSdf})};
   return group_rule(
       "axis", kRequired, {.meaning = "axis and range of the joint", .source = kSdf},
-      {std::move(xyz),
+      {std::move(xyz), mimic(),
        group_rule("limit", kRequired, {.meaning = "range and speed", .source = kSdf},
                   {number_rule("lower", kRequired, kLimit_rad,
                                {"rad", "", "lower end of the range, below the upper one", kSdf}),
@@ -134,7 +165,8 @@ XmlRule joint_rule() {
        text_rule("child", kRequired,
                  {.meaning = "name of the link that the joint moves, or of a frame that is attached to it",
                   .source = kSdf}),
-       axis(), servo(), encoder(), drive(), role(), mirror(), maker(), ankle_rule()},
+       axis(), not_of_followers(servo()), not_of_followers(encoder()), not_of_followers(drive()), role(),
+       mirror(), maker(), ankle_rule()},
       {name_attribute("name of the joint, unique among links, joints and frames; a role if koboshi:role "
                       "states no other"),
        text_attribute("type", true, {.meaning = "kind of joint", .source = kSdf}, {"revolute"})});

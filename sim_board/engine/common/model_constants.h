@@ -19,4 +19,9 @@ inline constexpr double kSlidingSpeed_rad_per_s = 0.1;
 inline constexpr double kStopStiffness_Nm_per_rad = 1e4;
 inline constexpr double kStopDamping_Nm_s_per_rad = 40.0;
 
+// Coupling of two hinges that one motor turns, as a constraint with ODE's default error reduction per step.
+// It yields by the mixing times the torque: 1e-6 rad/s at 10 N m.
+inline constexpr double kCouplingErrorReduction = 0.2;
+inline constexpr double kCouplingForceMixing = 1e-7;
+
 }  // namespace koboshi::sim_board

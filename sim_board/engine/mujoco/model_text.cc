@@ -33,7 +33,7 @@ constexpr double kMaxMeetingSpeed_m_per_s = 5.0;
 constexpr double kMaxLandingSpeed_m_per_s = 10.0;
 
 constexpr int kRowsOfContact = 3;
-constexpr int kRowsOfJoint = 2;  // friction and stop
+constexpr int kRowsOfJoint = 2;  // friction and stop, or coupling
 
 std::string text_of(std::initializer_list<double> numbers) {
   std::string text;
@@ -77,6 +77,7 @@ class Writer {
   void add_ground_box(int number, const GroundBox& box);
   void add_link(int link, const Eigen::Isometry3d& X_PL, const JointDescription* joint, Base base);
   void add_pair(const TouchingPair& pair);
+  void add_coupling(std::size_t joint, const FollowerDescription& follower);
 
  private:
   void add_inertia(const LinkDescription& link);
@@ -206,6 +207,18 @@ void Writer::add_pair(const TouchingPair& pair) {
   xml_.CloseElement();
 }
 
+// A follower has no friction, so that its row is one of those of its joint.
+void Writer::add_coupling(std::size_t joint, const FollowerDescription& follower) {
+  constexpr Softness kCoupling{.error_reduction = kCouplingErrorReduction,
+                               .constraint_force_mixing = kCouplingForceMixing};
+  xml_.OpenElement("joint");
+  push(xml_, "joint1", "joint" + std::to_string(joint));
+  push(xml_, "joint2", "joint" + std::to_string(follower.leader));
+  push(xml_, "polycoef", text_of({follower.offset_rad, follower.multiplier, 0.0, 0.0, 0.0}));
+  push_row(xml_, "", constraint_row(kCoupling, 2, options_.step_s));
+  xml_.CloseElement();
+}
+
 void check(const SurfaceContact& surface) {
   if (surface.has_direction() || surface.slip_m_per_N_s > 0.0)
     throw std::invalid_argument(
@@ -255,8 +268,8 @@ std::vector<TouchingPair> touching_pairs(const RobotDescription& robot, const me
   return pairs;
 }
 
-std::string model_text(const RobotDescription& robot, const std::vector<TouchingPair>& pairs,
-                       const WorldOptions& options, Base base) {
+std::string model_text(const RobotDescription& robot, std::span<const FollowerDescription> followers,
+                       const std::vector<TouchingPair>& pairs, const WorldOptions& options, Base base) {
   XMLPrinter xml(nullptr, true);
   Writer writer(xml, robot, options);
   xml.OpenElement("mujoco");
@@ -270,6 +283,12 @@ std::string model_text(const RobotDescription& robot, const std::vector<Touching
   xml.OpenElement("contact");
   for (const TouchingPair& pair : pairs) writer.add_pair(pair);
   xml.CloseElement();
+  if (!followers.empty()) {
+    xml.OpenElement("equality");
+    const std::size_t first = robot.joints.size() - followers.size();
+    for (std::size_t i = 0; i < followers.size(); ++i) writer.add_coupling(first + i, followers[i]);
+    xml.CloseElement();
+  }
   xml.CloseElement();
   return xml.CStr();
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,8 @@ inline constexpr int kMaxContacts = 100;
 // Describes a robot and its ground in MuJoCo's XML format. Link i is the body `link<i>` in the link's frame,
 // joint i is `joint<i>`, and geom_name() gives the names of boxes and ground.
 std::string geom_name(int box);
-std::string model_text(const RobotDescription& robot, const std::vector<TouchingPair>& pairs,
-                       const WorldOptions& options, Base base);
+// Of `followers`, the last joints, each is an equality with its leader.
+std::string model_text(const RobotDescription& robot, std::span<const FollowerDescription> followers,
+                       const std::vector<TouchingPair>& pairs, const WorldOptions& options, Base base);
 
 }  // namespace koboshi::sim_board

@@ -40,8 +40,9 @@ class MujocoWorld final : public World {
   void check_inputs() const;
   void check_bodies() const;
 
-  const RobotDescription robot_;
+  const RobotDescription robot_;  // its followers are joints
   const WorldOptions options_;
+  const std::vector<FollowerDescription> followers_;
   std::vector<TouchingPair> pairs_;
   std::optional<Scene> scene_;
   bool held_;  // the base is fixed to its stand
@@ -56,10 +57,13 @@ class MujocoWorld final : public World {
 };
 
 MujocoWorld::MujocoWorld(const RobotDescription& robot, const WorldOptions& options)
-    : robot_(robot), options_(checked(options, robot)), held_(options_.fixed_base) {
+    : robot_(with_followers_as_joints(robot)),
+      options_(with_follower_positions(checked(options, robot), robot)),
+      followers_(robot.followers),
+      held_(options_.fixed_base) {
   check_links();
   pairs_ = touching_pairs(robot_, hinge_tree(robot_), options_);
-  scene_.emplace(robot_, pairs_, options_, held_ ? Base::kFixed : Base::kFree);
+  scene_.emplace(robot_, followers_, pairs_, options_, held_ ? Base::kFixed : Base::kFree);
   servos_.resize(robot_.joints.size());
   servo_Nm_.resize(robot_.joints.size());
   wrenches_.resize(robot_.joints.size());
@@ -83,7 +87,7 @@ void MujocoWorld::release_base() {
   held_ = false;
   earlier_warnings_ += scene_->warnings();
   earlier_unsettled_ += scene_->unsettled_steps();
-  Scene free(robot_, pairs_, options_, Base::kFree);
+  Scene free(robot_, followers_, pairs_, options_, Base::kFree);
   free.take_joints_from(*scene_);
   scene_.emplace(std::move(free));
 }
@@ -124,7 +128,8 @@ void MujocoWorld::archive(StateArchive& archive) {
   const bool was_held = held_;
   archive(held_);
   // Recompiling the other model takes some milliseconds.
-  if (held_ != was_held) scene_.emplace(robot_, pairs_, options_, held_ ? Base::kFixed : Base::kFree);
+  if (held_ != was_held)
+    scene_.emplace(robot_, followers_, pairs_, options_, held_ ? Base::kFixed : Base::kFree);
   archive(scene_, steps_, earlier_warnings_, earlier_unsettled_, servos_, servo_Nm_, wrenches_, contacts_);
 }
 

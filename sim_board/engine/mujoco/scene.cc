@@ -37,10 +37,10 @@ Eigen::Matrix3d axes_of(const mjContact& contact) { return Map<const RowMajor3d>
 
 }  // namespace
 
-Scene::Scene(const RobotDescription& robot, const std::vector<TouchingPair>& pairs,
-             const WorldOptions& options, Base base) {
+Scene::Scene(const RobotDescription& robot, std::span<const FollowerDescription> followers,
+             const std::vector<TouchingPair>& pairs, const WorldOptions& options, Base base) {
   start_mujoco();
-  model_ = load_model(model_text(robot, pairs, options, base));
+  model_ = load_model(model_text(robot, followers, pairs, options, base));
   data_ = make_data(*model_);
   // The inverse inertia for which the softness of the rows was computed (constraint_row.h); the world body
   // has none.

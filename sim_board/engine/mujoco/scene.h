@@ -28,9 +28,10 @@ namespace koboshi::sim_board {
 // Dry friction is a force on a sliding joint, and a bounded solver row on a joint that may stick.
 class Scene {
  public:
-  // Creates the robot at rest in the given pose. Throws MujocoError if MuJoCo rejects the model.
-  Scene(const RobotDescription& robot, const std::vector<TouchingPair>& pairs, const WorldOptions& options,
-        Base base);
+  // Creates the robot at rest in the given pose. The followers are its last joints. Throws MujocoError if
+  // MuJoCo rejects the model.
+  Scene(const RobotDescription& robot, std::span<const FollowerDescription> followers,
+        const std::vector<TouchingPair>& pairs, const WorldOptions& options, Base base);
 
   // Copies the joints' positions and speeds from another scene; the base is at rest.
   void take_joints_from(const Scene& other);

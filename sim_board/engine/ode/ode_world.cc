@@ -60,13 +60,11 @@ class OdeWorld final : public World {
   void archive(StateArchive& archive) override;
 
  private:
-  struct Place {
-    std::size_t chain = 0;
-    std::size_t hinge = 0;  // index in the chain
-  };
+  using Place = TreeStep::Place;
 
   void make_world();
   void make_joints(std::span<const HingeChain> chains);
+  std::vector<TreeStep::Coupling> make_couplings(const RobotDescription& robot) const;
   void step_with_ode();
   void solve_with_ode();
   bool settle_impacts_of_tree();
@@ -83,8 +81,9 @@ class OdeWorld final : public World {
   void check_inputs() const;
   void check_bodies() const;
 
-  const RobotDescription robot_;
+  const RobotDescription robot_;  // its followers are joints
   const WorldOptions options_;
+  const bool is_coupled_;
   std::uint64_t steps_ = 0;
   std::uint64_t solver_warnings_ = 0;
   std::uint64_t unsettled_steps_ = 0;
@@ -108,7 +107,9 @@ class OdeWorld final : public World {
 };
 
 OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
-    : robot_(robot), options_(checked(options, robot)) {
+    : robot_(with_followers_as_joints(robot)),
+      options_(with_follower_positions(checked(options, robot), robot)),
+      is_coupled_(!robot.followers.empty()) {
   const mechanics::HingeTree tree = hinge_tree(robot_);
   const std::vector<HingeChain> chains =
       options_.stepper == Stepper::kLumped ? lumped_hinges(robot_, tree) : single_hinges(tree);
@@ -121,7 +122,8 @@ OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
   for (JointChain& chain : chains_) chain.place();
   if (options_.fixed_base) dBodySetKinematic(bodies_->of(0));
   collider_ = std::make_unique<Collider>(world_.get(), robot_, tree, *bodies_, options_);
-  tree_.emplace(Tree{TreeStep(robot_, *bodies_, chains_, options_.gravity_W_m_per_s2, options_.step_s),
+  tree_.emplace(Tree{TreeStep(robot_, *bodies_, chains_, make_couplings(robot), options_.gravity_W_m_per_s2,
+                              options_.step_s),
                      Soles(robot_, *bodies_, options_.step_s)});
 }
 
@@ -149,6 +151,17 @@ void OdeWorld::make_joints(std::span<const HingeChain> chains) {
   }
 }
 
+// The followers are the last joints.
+std::vector<TreeStep::Coupling> OdeWorld::make_couplings(const RobotDescription& robot) const {
+  std::vector<TreeStep::Coupling> couplings;
+  for (const FollowerDescription& follower : robot.followers)
+    couplings.push_back({.follower = places_.at(robot.joints.size() + couplings.size()),
+                         .leader = at(places_, follower.leader),
+                         .multiplier = follower.multiplier,
+                         .offset_rad = follower.offset_rad});
+  return couplings;
+}
+
 void OdeWorld::pose_bodies(const std::vector<Eigen::Isometry3d>& X_WLs) {
   for (std::size_t l = 0; l < X_WLs.size(); ++l) {
     const int link = static_cast<int>(l);
@@ -174,9 +187,10 @@ void OdeWorld::step() {
   {
     const OdeWarningCount count(solver_warnings_);
     collider_->find_contacts();
-    const bool is_lumped = options_.stepper == Stepper::kLumped;
-    as_tree = is_lumped && step_as_tree();
-    if (!is_lumped) step_with_ode();
+    // A joint of ODE connects two bodies, a coupling four: such a robot is the tree's in kWorld, too.
+    const bool wants_tree = options_.stepper == Stepper::kLumped || is_coupled_;
+    as_tree = wants_tree && step_as_tree();
+    if (!wants_tree) step_with_ode();
   }
   if (!settled_) ++unsettled_steps_;
   collider_->drop_gaps();
@@ -252,9 +266,10 @@ void OdeWorld::bound_friction() {
 }
 
 // ODE's solver does the step if the tree's finds no solution within rounding. This counts as a warning.
-// Returns whether the tree's found one.
+// Coupled hinges are free in such a step, and the next ones correct them. Returns whether the tree's found
+// one.
 bool OdeWorld::step_as_tree() {
-  tree_->soles.guess(*collider_);
+  if (options_.stepper == Stepper::kLumped) tree_->soles.guess(*collider_);
   tree_->step.begin(chains_);
   const bool solved = solve_tree() && settle_impacts_of_tree();
   if (solved) {

@@ -115,7 +115,7 @@ void ServoMotor::write_tree_axis(mechanics::JointSpace::Axis& axis) const {
 }
 
 void ServoMotor::add_rows(std::vector<TreeRow>& rows, int child, int parent, std::size_t dof) {
-  friction_row_ = stop_row_ = kNoRow;
+  friction_row_ = stop_row_ = coupling_row_ = kNoRow;
   const bool has_friction = friction_ == Friction::kBounded && servo_.friction_Nm > 0.0;
   const bool below = state_.position_rad <= lower_rad_;
   const bool at_stop = below || state_.position_rad >= upper_rad_;
@@ -154,7 +154,9 @@ void ServoMotor::read_tree(const TreeSolver& solver, double speed_rad_per_s) {
     copy_vector(-hinge_Nm * b_W_, feedback.t2);
   };
   write(tree_Nm_ + torque_Nm(friction_row_), feedbacks_->servo);
-  write(torque_Nm(stop_row_), feedbacks_->stop);
+  const double stop_Nm = torque_Nm(stop_row_);
+  const bool is_coupled = coupling_row_ != kNoRow;
+  write(is_coupled ? stop_Nm + coupling_share_ * torque_Nm(coupling_row_) : stop_Nm, feedbacks_->stop);
 }
 
 double ServoMotor::servo_Nm() const { return b_W_.dot(vector_of(feedbacks_->servo.t1)) / (scale_ * scale_); }

@@ -50,6 +50,15 @@ class ServoMotor {
   // Appends the bounded rows: friction that the solver decides, and the stop. `child` and `parent` are the
   // bodies' indices in the tree, `dof` is the index of the hinge's axis.
   void add_rows(std::vector<TreeRow>& rows, int child, int parent, std::size_t dof);
+  // The hinge's speed after the step is axis_W() . w_new + drift_rad_per_s().
+  const Eigen::Vector3d& axis_W() const { return b_W_; }
+  double drift_rad_per_s() const { return drift_rad_per_s_; }
+  // Call it after add_rows() for a hinge that a row couples to another one: `share` is the torque on this
+  // hinge per unit of the row's.
+  void couple(std::size_t row, double share) {
+    coupling_row_ = static_cast<int>(row);
+    coupling_share_ = share;
+  }
   // Reads the torques of a solution; `speed_rad_per_s` is that of the tree's axis.
   void read_tree(const TreeSolver& solver, double speed_rad_per_s);
 
@@ -67,7 +76,7 @@ class ServoMotor {
   const JointState& state() const { return state_; }
   // Torque on the child that the tree's axis exerted, without the bounded rows.
   Eigen::Vector3d tree_torque_W_Nm() const { return tree_Nm_ * b_W_; }
-  // Torque of servo and stop on the parent in the last step; they exert no force.
+  // Torque of servo, stop and coupling on the parent in the last step; they exert no force.
   Eigen::Vector3d on_parent_Nm() const;
 
   // The rows of ODE's motors are rewritten in each step.
@@ -122,6 +131,8 @@ class ServoMotor {
   // Rows of the tree's solver in this step:
   int friction_row_ = kNoRow;
   int stop_row_ = kNoRow;
+  int coupling_row_ = kNoRow;
+  double coupling_share_ = 0.0;
   double tree_Nm_ = 0.0;  // torque of the tree's axis, without those rows
 };
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "sim_board/engine/common/model_constants.h"
 #include "sim_board/engine/ode/eigen.h"
 
 namespace koboshi::sim_board {
@@ -42,15 +43,17 @@ std::vector<mechanics::JointSpace::Joint> tree_joints(std::span<const JointChain
 }  // namespace
 
 TreeStep::TreeStep(const RobotDescription& robot, const Bodies& bodies, std::span<const JointChain> chains,
-                   const Eigen::Vector3d& gravity_W_m_per_s2, double step_s)
+                   std::span<const Coupling> couplings, const Eigen::Vector3d& gravity_W_m_per_s2,
+                   double step_s)
     : bodies_(bodies),
       step_s_(step_s),
+      couplings_(couplings.begin(), couplings.end()),
       solver_(bodies.all().size() + count_between(chains), tree_joints(chains, bodies.all().size())),
       inertias_(solver_.tree().bodies(), gravity_W_m_per_s2, step_s),
       velocities_(bodies.all().size()) {
   for (std::size_t b = 0; b < velocities_.size(); ++b)
     inertias_.describe(b, robot.links[static_cast<std::size_t>(bodies.link_of(b))]);
-  Place next{.joint = 0, .between = bodies.all().size()};
+  Start next{.joint = 0, .between = bodies.all().size()};
   for (const JointChain& chain : chains) {
     places_.push_back(next);
     for (std::size_t i = 0; i < chain.links_between(); ++i)
@@ -100,8 +103,10 @@ bool TreeStep::solve(std::span<JointChain> chains, Collider& collider, Soles& so
   std::vector<TreeRow>& rows = solver_.rows();
   rows.clear();
   solver_.frictions().clear();
+  solver_.terms().clear();
   for (std::size_t c = 0; c < chains.size(); ++c)
     chains[c].write_tree_joint(p_WO_W_, solver_.tree(), places_[c].joint, rows);
+  for (const Coupling& coupling : couplings_) add_coupling(coupling, chains);
   soles.add_rows(rows, p_WO_W_);
   for (std::size_t i = 0; i < collider.contacts().size(); ++i) {
     const Contact& contact = collider.contacts()[i];
@@ -115,6 +120,32 @@ bool TreeStep::solve(std::span<JointChain> chains, Collider& collider, Soles& so
   write_velocities();
   for (std::size_t c = 0; c < chains.size(); ++c) chains[c].read_tree_torques(solver_, places_[c].joint);
   return true;
+}
+
+// The impulse x of the row acts as a torque x on the follower and -multiplier x on the leader: it does no
+// work.
+void TreeStep::add_coupling(const Coupling& coupling, std::span<JointChain> chains) {
+  std::vector<TreeRow>& rows = solver_.rows();
+  const JointChain& follower_chain = chains[coupling.follower.chain];
+  const JointChain& leader_chain = chains[coupling.leader.chain];
+  ServoMotor& follower = chains[coupling.follower.chain].motor(coupling.follower.hinge);
+  ServoMotor& leader = chains[coupling.leader.chain].motor(coupling.leader.hinge);
+  const double error_rad = follower.state().position_rad -
+                           (coupling.multiplier * leader.state().position_rad + coupling.offset_rad);
+  TreeRow row{.body = static_cast<int>(follower_chain.child_index()),
+              .other_body = static_cast<int>(follower_chain.parent_index())};
+  row.jacobian = mechanics::spatial(follower.axis_W(), Eigen::Vector3d::Zero());
+  row.other_jacobian = -row.jacobian;
+  row.target = -kCouplingErrorReduction / step_s_ * error_rad - follower.drift_rad_per_s() +
+               coupling.multiplier * leader.drift_rad_per_s();
+  row.softness = kCouplingForceMixing / step_s_;
+  const mechanics::Vector6 of_leader =
+      -coupling.multiplier * mechanics::spatial(leader.axis_W(), Eigen::Vector3d::Zero());
+  solver_.terms().push_back({rows.size(), static_cast<int>(leader_chain.child_index()), of_leader});
+  solver_.terms().push_back({rows.size(), static_cast<int>(leader_chain.parent_index()), -of_leader});
+  follower.couple(rows.size(), 1.0);
+  leader.couple(rows.size(), -coupling.multiplier);
+  rows.push_back(row);
 }
 
 void TreeStep::write_velocities() {

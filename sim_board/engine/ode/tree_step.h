@@ -23,9 +23,23 @@ namespace koboshi::sim_board {
 // between the hinges of a chain: they cost no degree of freedom.
 class TreeStep {
  public:
+  // A hinge of a chain.
+  struct Place {
+    std::size_t chain = 0;
+    std::size_t hinge = 0;
+  };
+  // A hinge that follows another one, as a row between the four bodies of both:
+  //   speed - multiplier * leader's speed = -error reduction / step * error of the position
+  struct Coupling {
+    Place follower;
+    Place leader;
+    double multiplier = 1.0;
+    double offset_rad = 0.0;
+  };
+
   // `bodies` must outlive this object.
   TreeStep(const RobotDescription& robot, const Bodies& bodies, std::span<const JointChain> chains,
-           const Eigen::Vector3d& gravity_W_m_per_s2, double step_s);
+           std::span<const Coupling> couplings, const Eigen::Vector3d& gravity_W_m_per_s2, double step_s);
 
   // Reads the bodies before the step: poses, velocities and accumulated forces.
   void begin(std::span<const JointChain> chains);
@@ -48,17 +62,19 @@ class TreeStep {
 
   void read_body(std::size_t index);
   void add_forces(std::size_t index);
+  void add_coupling(const Coupling& coupling, std::span<JointChain> chains);
   void write_velocities();
   void restore_velocities();
 
   const Bodies& bodies_;
   const double step_s_;
   // By chain: its first joint, and the tree's body of the first link between its hinges.
-  struct Place {
+  struct Start {
     std::size_t joint = 0;
     std::size_t between = 0;
   };
-  std::vector<Place> places_;
+  std::vector<Start> places_;
+  std::vector<Coupling> couplings_;
   TreeSolver solver_;
   LinkInertias inertias_;
   // Values at the beginning of the step:

@@ -100,14 +100,23 @@ void TreeSolver::fill_problem() {
     b_[r] = row.target - speed;
     A_[r * count + r] += row.softness;
   }
+  for (const TreeTerm& term : terms_) b_[term.row] -= term.jacobian.dot(tree_.velocity(to_index(term.body)));
 }
 
+bool TreeSolver::has_terms(std::size_t row) const {
+  return std::ranges::any_of(terms_, [row](const TreeTerm& term) { return term.row == row; });
+}
+
+// A row with terms is a group of its own.
 void TreeSolver::make_groups() {
   groups_.clear();
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const TreeRow& row = rows_[r];
-    if (!groups_.empty() && groups_.back().rows < mechanics::Lanes::kCount && rows_[r - 1].body == row.body &&
-        rows_[r - 1].other_body == row.other_body) {
+    if (has_terms(r)) {
+      groups_.push_back({.first = r, .rows = 1, .support = &supports_.back()});
+    } else if (!groups_.empty() && groups_.back().rows < mechanics::Lanes::kCount &&
+               rows_[r - 1].body == row.body && rows_[r - 1].other_body == row.other_body &&
+               !has_terms(r - 1)) {
       ++groups_.back().rows;
     } else {
       groups_.push_back({.first = r, .rows = 1, .support = &support(row)});
@@ -143,6 +152,13 @@ void TreeSolver::reduce_group(std::size_t number) {
   const TreeRow& row = rows_[group.first];
   add(row.body, &TreeRow::jacobian);
   if (row.other_body >= 0) add(row.other_body, &TreeRow::other_jacobian);
+  for (const TreeTerm& term : terms_) {
+    if (term.row != group.first) continue;
+    std::array<mechanics::Lanes, 6> impulses{};
+    for (std::size_t i = 0; i < impulses.size(); ++i)
+      impulses[i][0] = term.jacobian[static_cast<Eigen::Index>(i)];
+    tree_.add_to_jacobian(to_index(term.body), impulses, y);
+  }
   tree_.reduce(group.support->dofs, y);
 }
 
@@ -358,6 +374,8 @@ void TreeSolver::find_joint_impulses() {
     body_impulses_[to_index(row.body)] += impulse(r) * row.jacobian;
     if (row.other_body >= 0) body_impulses_[to_index(row.other_body)] += impulse(r) * row.other_jacobian;
   }
+  for (const TreeTerm& term : terms_)
+    body_impulses_[to_index(term.body)] += impulse(term.row) * term.jacobian;
   tree_.find_joint_impulses(body_impulses_);
 }
 

@@ -39,6 +39,13 @@ struct TreeRow {
   }
 };
 
+// A further body in a row: its Jacobian counts like those of the row's own bodies.
+struct TreeTerm {
+  std::size_t row = 0;
+  int body = 0;
+  mechanics::Vector6 jacobian = mechanics::Vector6::Zero();
+};
+
 // Friction of a contact point. Its rows, one or two as the law has directions, follow the row of the normal;
 // the solver bounds them.
 struct TreeFriction {
@@ -64,6 +71,8 @@ class TreeSolver {
   // Rows of the next solution.
   std::vector<TreeRow>& rows() { return rows_; }
   const TreeRow& row(std::size_t index) const { return rows_[index]; }
+  // Further bodies of these rows.
+  std::vector<TreeTerm>& terms() { return terms_; }
   // Friction of the next solution, in the order of its rows.
   std::vector<TreeFriction>& frictions() { return frictions_; }
   std::span<const TreeFriction> frictions() const { return frictions_; }
@@ -105,6 +114,7 @@ class TreeSolver {
     return {&reduced_[group * tree_.dofs()], tree_.dofs()};
   }
   void fill_problem();
+  bool has_terms(std::size_t row) const;
   void make_groups();
   const Support& support(const TreeRow& row) const;
   void reduce_group(std::size_t number);
@@ -124,6 +134,7 @@ class TreeSolver {
 
   mechanics::JointSpace tree_;
   std::vector<TreeRow> rows_;
+  std::vector<TreeTerm> terms_;
   std::vector<RowGroup> groups_;
   std::vector<mechanics::Lanes> reduced_;  // by group: reduced Jacobians of its rows, by dof
   std::vector<std::size_t> all_dofs_;

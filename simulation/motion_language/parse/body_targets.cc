@@ -173,8 +173,11 @@ class BodySolver {
     if (!targets_.moves_legs()) return;
     for (std::size_t side = 0; side < 2; ++side) {
       const Isometry3d X_BSole = X_SB().inverse() * X_SSoles_[side];
-      const robot::LegAngles leg =
-          robot::leg_inverse_kinematics(robot_.model, legs_[side], fixed_pose(X_BSole));
+      // One motor for both hip yaws stays where it is.
+      const fixed::Angle yaw =
+          legs_[side].shares_yaw ? result_.angles[legs_[side].joints[robot::kHipYaw]] : fixed::Angle();
+      const robot::LegAngles leg = robot::leg_inverse_kinematics(
+          robot_.model, legs_[side], fixed_pose(X_BSole), nullptr, robot::FirstSolution::kAtOnce, yaw);
       for (const robot::LegJoint i : legs_[side].chain()) {
         result_.angles[legs_[side].joints[i]] = leg.angles[i];
         result_.joints |= 1u << legs_[side].joints[i];

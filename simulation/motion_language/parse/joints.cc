@@ -37,7 +37,12 @@ std::optional<std::size_t> JointNames::find(std::string_view name) const {
 
 std::optional<std::size_t> JointNames::find_left(std::string_view sideless) const {
   const auto left = find("left_" + std::string(sideless));
-  return left && find("right_" + std::string(sideless)) ? left : std::nullopt;
+  if (!left) return std::nullopt;
+  // One motor may turn both sides, as mirror images.
+  const robot::Joint& joint = robot_.model.joints[*left];
+  const bool is_both =
+      robot_.model.leads(robot::JointIndex(*left)) && joint.mirror == *left && joint.mirror_sign > 0;
+  return is_both || find("right_" + std::string(sideless)) ? left : std::nullopt;
 }
 
 std::uint32_t JointNames::mask(std::string_view name) const {

@@ -57,6 +57,26 @@ TEST(HingeTree, RefusesWhatIsNoTree) {
   EXPECT_THROW(HingeTree(links, {{0, 1}, {3, 2}}), std::invalid_argument);
 }
 
+TEST(HingeTree, PlacesCoupledHingesByTheirLeaders) {
+  sim_board::RandomStream random(2, "couplings");
+  for (int trial = 0; trial < 20; ++trial) {
+    const HingeTree whole = random_tree(random, 12);
+    const std::vector<Hinge> hinges(whole.hinges().begin(), whole.hinges().end());
+    const std::vector<Coupling> couplings{{random.bits() % 9, -0.7, 0.2}, {random.bits() % 9, 1.5, 0.0}};
+    const HingeTree tree({whole.links().begin(), whole.links().end()}, hinges, couplings);
+    ASSERT_EQ(tree.free_hinges(), 9U);
+    std::vector<double> positions_rad = random_numbers(random, 9, 2.0);
+    const auto X_WLs = tree.poses(Isometry3d::Identity(), positions_rad);
+    for (const Coupling& coupling : couplings)
+      positions_rad.push_back(coupling.multiplier * positions_rad[coupling.leader] + coupling.offset_rad);
+    const auto expected = whole.poses(Isometry3d::Identity(), positions_rad);
+    for (std::size_t l = 0; l < expected.size(); ++l) ASSERT_TRUE(X_WLs[l].isApprox(expected[l], 1e-12));
+  }
+  const std::vector<Link> links(3);
+  EXPECT_THROW(HingeTree(links, {{0, 1}, {0, 2}}, {{1, 1.0, 0.0}}), std::invalid_argument);  // follows itself
+  EXPECT_THROW(HingeTree(links, {{0, 1}, {0, 2}}, {{0}, {0}, {0}}), std::invalid_argument);
+}
+
 TEST(HingeTree, PlacesTheLinksOfRandomTrees) {
   sim_board::RandomStream random(1, "trees");
   for (int trial = 0; trial < 50; ++trial) {

@@ -136,5 +136,33 @@ TEST(InverseDynamics, AllocatesOnlyWhenItIsMade) {
   EXPECT_EQ(test::allocations(), before);
 }
 
+// The motor of a hinge supplies the power of those that follow it.
+TEST(InverseDynamics, AddsTheTorqueOfAFollowerToItsLeader) {
+  sim_board::RandomStream random(3, "coupled");
+  const HingeTree whole = random_tree(random, 8);
+  const std::vector<Hinge> hinges(whole.hinges().begin(), whole.hinges().end());
+  const Coupling coupling{.leader = 2, .multiplier = -0.6, .offset_rad = 0.3};
+  InverseDynamics coupled(HingeTree({whole.links().begin(), whole.links().end()}, hinges, {coupling}));
+  InverseDynamics free(whole);
+  std::vector<double> positions_rad = random_numbers(random, 6, 2.0);
+  std::vector<double> speeds = random_numbers(random, 6, 2.0);
+  std::vector<double> accelerations = random_numbers(random, 6, 5.0);
+  std::vector<double> torques_Nm(6);
+  const Vector3d gravity_B(1.0, -3.0, -9.0);
+  coupled.place(positions_rad);
+  coupled.support(0, coupled.find_forces(speeds, accelerations, 0, gravity_B));
+  coupled.find_torques(torques_Nm);
+  positions_rad.push_back(coupling.multiplier * positions_rad[2] + coupling.offset_rad);
+  speeds.push_back(coupling.multiplier * speeds[2]);
+  accelerations.push_back(coupling.multiplier * accelerations[2]);
+  std::vector<double> all_Nm(7);
+  free.place(positions_rad);
+  free.support(0, free.find_forces(speeds, accelerations, 0, gravity_B));
+  free.find_torques(all_Nm);
+  ASSERT_GT(std::abs(all_Nm[6]), 0.01);
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_NEAR(torques_Nm[i], all_Nm[i] + (i == 2 ? coupling.multiplier * all_Nm[6] : 0.0), 1e-12) << i;
+}
+
 }  // namespace
 }  // namespace koboshi::mechanics

@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -71,6 +72,16 @@ void set_shaft(ImportedJoint& joint, double zero_rad) {
   joint.drive_zero_rad = shaft_rad - joint.drive_sign * middle_rad;
 }
 
+// Angles of the source are drive_sign * angle + zero here; so is the law of a follower.
+void follow(const ImportedRobot& source, const std::vector<double>& zero_rad, std::size_t follower,
+            ImportedRobot& aligned) {
+  ImportedJoint& joint = aligned.joints[follower];
+  const auto leader = static_cast<std::size_t>(*source.find_joint(joint.mimics));
+  joint.mimic_offset_rad =
+      joint.drive_sign * (joint.mimic_ratio * zero_rad[leader] + joint.mimic_offset_rad - zero_rad[follower]);
+  joint.mimic_ratio *= joint.drive_sign * aligned.joints[leader].drive_sign;
+}
+
 // Limits of the source from the new zero, within half a turn.
 void set_limits(ImportedJoint& joint, double zero_rad, ImportReport& report) {
   constexpr double kMax_rad = 179.0 * kRadPerDegree;
@@ -122,8 +133,13 @@ std::string link_name(const ImportedRobot& robot, const std::vector<std::string>
 
 void rename(ImportedRobot& robot, const std::vector<std::string>& joint_names) {
   std::set<std::string> names;
-  for (std::size_t i = 0; i < robot.joints.size(); ++i)
-    robot.joints[i].name = new_name(joint_names[i], names);
+  std::map<std::string, std::string> new_names;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    const std::string name = new_name(joint_names[i], names);
+    new_names[std::exchange(robot.joints[i].name, name)] = name;
+  }
+  for (ImportedJoint& joint : robot.joints)
+    if (joint.is_follower) joint.mimics = new_names.at(joint.mimics);
   const int root = root_link(robot);
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const int joint = joint_of(robot, static_cast<int>(i));
@@ -169,6 +185,8 @@ ImportedRobot align_robot(const ImportedRobot& robot, const Eigen::Matrix3d& R_M
     anchors.axes.push_back(joint.axis_L);
     anchors.points_m.emplace_back(pose.translation());
   }
+  for (std::size_t i = 0; i < robot.joints.size(); ++i)
+    if (robot.joints[i].is_follower) follow(robot, angles_rad, i, aligned);
   const double max_miss_mm = decide_max_miss_mm(anchors, interview);
   const Vector3d p_MB = align_anchors(anchors, max_miss_mm / kMmPerM, report);
 

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/text/text.h"
+#include "tools/import/normalise/followers.h"
 
 namespace koboshi::tools {
 namespace {
@@ -33,6 +34,10 @@ class Linkages {
       const double ratio = std::abs(follower.mimic_ratio);
       if (!drives_one_of(i, leader) || ratio < kMinRatio || ratio > kMaxRatio) continue;
       const bool follower_drives = follower.has_actuator;
+      if (are_limbs_of_one_motor(robot_, i, leader)) {
+        if (follower_drives) exchange(i, leader);
+        continue;
+      }
       const std::size_t driven = follower_drives ? leader : i;
       const std::size_t driving = follower_drives ? i : leader;
       if (carried_kg_[driven] > carried_kg_[driving]) {
@@ -71,6 +76,16 @@ class Linkages {
 
   std::string link_name(int link) const {
     return one_line(robot_.links[static_cast<std::size_t>(link)].name);
+  }
+
+  // The joint with the actuator leads.
+  void exchange(std::size_t follower, std::size_t leader) {
+    ImportedJoint& from = robot_.joints[follower];
+    ImportedJoint& to = robot_.joints[leader];
+    to.mimics = from.name;
+    to.mimic_ratio = 1.0 / from.mimic_ratio;
+    to.mimic_offset_rad = -from.mimic_offset_rad / from.mimic_ratio;
+    from.mimics.clear();
   }
 
   // The joints from a link to the root.

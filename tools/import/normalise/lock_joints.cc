@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 
@@ -11,6 +10,7 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "base/text/user_units.h"
+#include "tools/import/normalise/followers.h"
 #include "tools/import/normalise/merge_links.h"
 
 namespace koboshi::tools {
@@ -40,48 +40,6 @@ void lock(ImportedJoint& joint, const std::string& because, bool is_listed, Inte
                                           one_line(joint.name), angle_deg, because));
 }
 
-// Counts the hinges beyond a joint that have an angle of their own.
-std::size_t free_hinges_beyond(const ImportedRobot& robot, const ImportedJoint& joint) {
-  std::size_t count = 0;
-  for (const ImportedJoint& other : robot.joints) {
-    if (!other.mimics.empty() || other.kind == JointKind::kFixed || other.kind == JointKind::kOther) continue;
-    int at = other.parent;
-    while (at >= 0 && at != joint.child) {
-      const int above = joint_of(robot, at);
-      at = above < 0 ? -1 : robot.joints[static_cast<std::size_t>(above)].parent;
-    }
-    if (at == joint.child) ++count;
-  }
-  return count;
-}
-
-// Joints of two limbs that one motor turns, such as both hip yaws: by index, the joint that has the same
-// motor. A finger that mimics another one carries no limb.
-std::map<std::size_t, std::size_t> joints_with_one_motor(const ImportedRobot& robot,
-                                                         const Interview& interview) {
-  constexpr std::size_t kLimb = 3;
-  std::map<std::size_t, std::size_t> pairs;
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    const ImportedJoint& joint = robot.joints[i];
-    const auto index = joint.mimics.empty() ? std::nullopt : robot.find_joint(joint.mimics);
-    if (!index || is_wanted(interview, joint.name)) continue;
-    const auto other = static_cast<std::size_t>(*index);
-    if (free_hinges_beyond(robot, joint) < kLimb || free_hinges_beyond(robot, robot.joints[other]) < kLimb)
-      continue;
-    // One beyond the other is a knee with two axes, not two limbs.
-    const auto is_beyond = [&robot](const ImportedJoint& inner, const ImportedJoint& outer) {
-      for (int joint_above = joint_of(robot, outer.parent); joint_above >= 0;
-           joint_above = joint_of(robot, robot.joints[static_cast<std::size_t>(joint_above)].parent))
-        if (&robot.joints[static_cast<std::size_t>(joint_above)] == &inner) return true;
-      return false;
-    };
-    if (is_beyond(joint, robot.joints[other]) || is_beyond(robot.joints[other], joint)) continue;
-    pairs[i] = other;
-    pairs[other] = i;
-  }
-  return pairs;
-}
-
 // Why a joint has no drive; nothing for one that may have one.
 std::optional<std::string> undriven(const ImportedJoint& joint, bool has_actuators,
                                     const Interview& interview) {
@@ -108,9 +66,13 @@ void set_range(ImportedJoint& joint, double range_deg, ImportReport& report) {
 
 void lock_undriven_joints(ImportedRobot& robot, Interview& interview, ImportReport& report) {
   const bool has_actuators = std::ranges::any_of(robot.joints, &ImportedJoint::has_actuator);
-  const std::map<std::size_t, std::size_t> one_motor = joints_with_one_motor(robot, interview);
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    ImportedJoint& joint = robot.joints[i];
+  decide_followers(robot, interview, report);
+  const auto leads = [&](const ImportedJoint& joint) {
+    return std::ranges::any_of(robot.joints, [&](const ImportedJoint& other) {
+      return other.is_follower && other.mimics == joint.name;
+    });
+  };
+  for (ImportedJoint& joint : robot.joints) {
     if (joint.kind == JointKind::kFixed) continue;
     if (joint.kind == JointKind::kOther && is_wanted(interview, joint.name))
       throw InputError(
@@ -120,18 +82,9 @@ void lock_undriven_joints(ImportedRobot& robot, Interview& interview, ImportRepo
     if (!joint.mimics.empty() && !robot.find_joint(joint.mimics))
       report.warnings.push_back(fmt::format("line {}: joint {} mimics {}, which does not exist", joint.line,
                                             one_line(joint.name), one_line(joint.mimics)));
-    if (const auto other = one_motor.find(i); other != one_motor.end()) {
-      const std::string partner = one_line(robot.joints[other->second].name);
-      lock(joint, "one motor turns it and " + partner, true, interview, report);
-      if (!joint.mimics.empty())
-        report.warnings.push_back(fmt::format(
-            "line {}: one motor turns {} and {}: both are locked, so that both sides are alike; a robot "
-            "without hip yaw walks straight and cannot turn; entries for both in joints of import.yaml give "
-            "each a motor of its own",
-            joint.line, one_line(joint.name), partner));
-      continue;
-    }
-    if (const auto because = undriven(joint, has_actuators, interview)) {
+    // A motor that the file gives to neither of two joints turns both.
+    const bool is_coupled = joint.is_follower || leads(joint);
+    if (const auto because = is_coupled ? std::nullopt : undriven(joint, has_actuators, interview)) {
       lock(joint, *because, true, interview, report);
       continue;
     }
@@ -155,9 +108,11 @@ void limit_continuous_joints(ImportedRobot& robot, Interview& interview, ImportR
 }
 
 void lock_extra_joints(ImportedRobot& robot, Interview& interview, ImportReport& report) {
+  lock_other_followers(robot, interview, report);
   std::vector<ImportedJoint*> extra;
   std::string names;
   for (ImportedJoint& joint : robot.joints) {
+    if (joint.kind == JointKind::kFixed) continue;
     const bool has_role = std::ranges::any_of(
         interview.taken.joints, [&joint](const auto& entry) { return entry.second == joint.name; });
     if (has_role) continue;

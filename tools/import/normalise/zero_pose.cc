@@ -225,7 +225,8 @@ std::vector<double> decide_zero_pose(const ImportedRobot& robot, const Eigen::Ma
                      "Is joint zero the upright pose with hanging arms, whatever the source's zero is?",
                      "yes",
                      {}});
-  // Role names are ordered from the trunk outwards in each limb.
+  // Role names are ordered from the trunk outwards in each limb. A follower has a zero of its own: what the
+  // two zeros differ by becomes the offset.
   for (const std::string& name : role_names()) {
     const auto index = straightener.index_of(name);
     if (!index) continue;

@@ -12,6 +12,7 @@
 #include "tools/import/decide/roles.h"
 #include "tools/import/mesh/surfaces.h"
 #include "tools/import/normalise/align.h"
+#include "tools/import/normalise/followers.h"
 #include "tools/import/normalise/linkages.h"
 #include "tools/import/normalise/lock_joints.h"
 #include "tools/import/normalise/merge_links.h"
@@ -84,6 +85,7 @@ ImportResult import_robot(const ImportOptions& options) {
   robot = align_robot(robot, R_MR, zero_rad, interview, report);
   repair_symmetry(robot, interview, report);
   apply_given_limits(robot, interview);
+  limit_followers(robot, report);
   ask_for_linkages(interview, report);
   decide_servos(robot, catalogue, interview, report);
 

@@ -353,6 +353,7 @@ class MjcfReader {
       ImportedJoint& joint = robot_.joints[static_cast<std::size_t>(*index)];
       joint.mimics = coupling.of;
       joint.mimic_ratio = coupling.ratio;
+      joint.mimic_offset_rad = coupling.offset_rad;
     }
   }
 

@@ -253,8 +253,7 @@ class SubsetMaker {
     // The polynomial c0 + c1 x + ...; its linear coefficient is the ratio.
     std::istringstream coefficients(text_of(equality, "polycoef"));
     coefficients.imbue(std::locale::classic());
-    double offset_rad = 0.0;
-    if (!(coefficients >> offset_rad >> coupling.ratio)) coupling.ratio = 1.0;
+    if (!(coefficients >> coupling.offset_rad >> coupling.ratio)) coupling.ratio = 1.0;
     subset_.couplings.push_back(std::move(coupling));
   }
 

@@ -15,6 +15,7 @@ struct MjcfCoupling {
   std::string joint{};
   std::string of{};
   double ratio = 1.0;
+  double offset_rad = 0.0;
 };
 
 // <connect> or <weld> of <equality>: a loop through both bodies.

@@ -49,14 +49,17 @@ XmlRule sdf_link_rule() {
 XmlRule sdf_joint_rule() {
   XmlRule xyz = value_element("xyz");
   xyz.attributes = {value_attribute("expressed_in", false)};
-  return element("joint", kRepeated, {name_attribute("name"), name_attribute("type")},
-                 {pose_rule(), value_element("parent", kRequired), value_element("child", kRequired),
-                  element("axis", kOptional, {},
-                          {xyz, value_element("use_parent_model_frame"),
-                           element("limit", kOptional, {},
-                                   {value_element("lower"), value_element("upper"), value_element("effort"),
-                                    value_element("velocity")}),
-                           element("mimic", kOptional, {name_attribute("joint")})})});
+  return element(
+      "joint", kRepeated, {name_attribute("name"), name_attribute("type")},
+      {pose_rule(), value_element("parent", kRequired), value_element("child", kRequired),
+       element(
+           "axis", kOptional, {},
+           {xyz, value_element("use_parent_model_frame"),
+            element("limit", kOptional, {},
+                    {value_element("lower"), value_element("upper"), value_element("effort"),
+                     value_element("velocity")}),
+            element("mimic", kOptional, {name_attribute("joint")},
+                    {value_element("multiplier"), value_element("offset"), value_element("reference")})})});
 }
 
 const XmlRule& sdf_file_rule() {
@@ -207,7 +210,15 @@ class SdfReader {
       }
     }
     const auto mimic = axis.find("mimic");
-    if (mimic) joint.mimics = mimic->attribute("joint");
+    if (mimic) {
+      const auto value = [&mimic](const char* key, double fallback) {
+        const auto node = mimic->find(key);
+        return node ? number_in(*node, node->text(), key) : fallback;
+      };
+      joint.mimics = mimic->attribute("joint");
+      joint.mimic_ratio = value("multiplier", 1.0);
+      joint.mimic_offset_rad = value("offset", 0.0) - joint.mimic_ratio * value("reference", 0.0);
+    }
     const auto limit = axis.find("limit");
     if (!limit) return;
     constexpr double kNone = 1e5;  // SDF writes 1e16 and inf for no limit

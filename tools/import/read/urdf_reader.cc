@@ -60,7 +60,9 @@ XmlRule urdf_joint_rule() {
                   element("limit", kOptional,
                           {value_attribute("lower", false), value_attribute("upper", false),
                            value_attribute("effort", false), value_attribute("velocity", false)}),
-                  element("mimic", kOptional, {name_attribute("joint")})});
+                  element("mimic", kOptional,
+                          {name_attribute("joint"), value_attribute("multiplier", false),
+                           value_attribute("offset", false)})});
 }
 
 XmlRule transmission_rule() {
@@ -212,7 +214,13 @@ ImportedJoint read_joint(const XmlNode& node, const std::map<std::string, int>& 
   if (const auto axis = node.find("axis"); axis && is_hinge)
     joint.axis_L = unit_vector_in(*axis, axis->attribute("xyz"), "xyz");
   read_limits(node, joint);
-  if (const auto mimic = node.find("mimic")) joint.mimics = mimic->attribute("joint");
+  if (const auto mimic = node.find("mimic")) {
+    joint.mimics = mimic->attribute("joint");
+    if (const auto ratio = mimic->find_attribute("multiplier"))
+      joint.mimic_ratio = number_in(*mimic, *ratio, "multiplier");
+    if (const auto offset = mimic->find_attribute("offset"))
+      joint.mimic_offset_rad = number_in(*mimic, *offset, "offset");
+  }
   return joint;
 }
 

@@ -70,12 +70,15 @@ struct ImportedJoint {
   double speed_rad_per_s = 0.0;      // 0: the file gives none
   double rotor_inertia_kg_m2 = 0.0;  // reflected to the joint; 0: the file gives none
   double coulomb_friction_Nm = 0.0;  // the same
-  std::string mimics{};              // the joint whose angle this one follows
-  double mimic_ratio = 1.0;          // of this joint's angle to that one's
-  bool has_actuator = false;         // a <transmission>, or an actuator of MJCF
-  double reduction = 1.0;            // of the <transmission>, > 0
-  bool has_stage = false;            // `reduction` is that of gears that the file shows, behind the servo
-  std::string servo{};               // its type, as decided
+  // The joint whose angle this one follows: angle = ratio * its angle + offset.
+  std::string mimics{};
+  double mimic_ratio = 1.0;
+  double mimic_offset_rad = 0.0;
+  bool is_follower = false;   // the motor of that joint turns this one as well; it has no servo
+  bool has_actuator = false;  // a <transmission>, or an actuator of MJCF
+  double reduction = 1.0;     // of the <transmission>, > 0
+  bool has_stage = false;     // `reduction` is that of gears that the file shows, behind the servo
+  std::string servo{};        // its type, as decided
   // The drive measures the joint angle of the source: shaft = sign * angle + zero.
   int drive_sign = 1;
   double drive_zero_rad = 0.0;

@@ -96,6 +96,7 @@ void decide_servos(ImportedRobot& robot, ServoCatalogue& catalogue, Interview& i
   // The source's torques and speeds are those of its joints.
   if (usual != kSourceServo) decide_transmissions(robot, interview, report);
   for (ImportedJoint& joint : robot.joints) {
+    if (joint.is_follower) continue;
     const auto given = interview.given().servos.find(joint.name);
     const std::string& type = given == interview.given().servos.end() ? usual : given->second;
     if (type != usual) interview.taken.servos[joint.name] = type;

@@ -36,7 +36,8 @@ std::string joints_table(const ImportedRobot& robot, const RobotFileParts& parts
     rows.push_back({plain(joint.name), source == interview.taken.joints.end() ? "" : plain(source->second),
                     fmt::format("{:.0f} to {:.0f}", kDegreesPerRad * *joint.lower_rad,
                                 kDegreesPerRad * *joint.upper_rad),
-                    plain(servo == parts.servos.end() ? parts.servo : servo->second)});
+                    joint.is_follower ? "that of " + plain(joint.mimics)
+                                      : plain(servo == parts.servos.end() ? parts.servo : servo->second)});
   }
   return "\n## Joints\n\n" +
          table_text({"joint", "joint of the source", "range [deg]", "servo"}, rows, TableStyle::kMarkdown);

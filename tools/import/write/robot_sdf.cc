@@ -97,7 +97,8 @@ class RobotWriter {
         "  <model name=\"{}\">\n",
         comment(parts_.source), xml_escaped(parts_.name));
     std::set<std::string> types;
-    for (const ImportedJoint& joint : robot_.joints) types.insert(servo_of(joint.name));
+    for (const ImportedJoint& joint : robot_.joints)
+      if (!joint.is_follower) types.insert(servo_of(joint.name));
     for (const std::string& type : types) text += indented(catalogue_.text(type), "    ");
     text += fmt::format(
         "    <!-- Resistance of cells, switch and wires: assumed. -->\n"
@@ -174,25 +175,38 @@ class RobotWriter {
     const auto name_of = [this](int link) {
       return xml_escaped(robot_.links[static_cast<std::size_t>(link)].name);
     };
-    const int node_id = node_id_of(joint.name);
     std::string text = fmt::format(
         "    <joint name=\"{}\" type=\"revolute\">\n"
         "      <parent>{}</parent><child>{}</child>\n"
         "      <axis>\n"
         "        <xyz>{} {} {}</xyz>\n"
         "        <limit><lower>{:.6f}</lower><upper>{:.6f}</upper><velocity>{:.4g}</velocity></limit>\n"
-        "      </axis>\n"
-        "      <koboshi:servo type=\"{}\"{}/>\n"
-        "      <koboshi:encoder bits=\"{}\" noise_counts=\"0.1\"/>\n"
-        "      <koboshi:drive node_id=\"{}\" serial_number=\"{}\" sign=\"{}\" zero_rad=\"{:.6f}\"/>\n",
+        "{}"
+        "      </axis>\n",
         xml_escaped(joint.name), name_of(joint.parent), name_of(joint.child), component(joint.axis_L.x()),
         component(joint.axis_L.y()), component(joint.axis_L.z()), *joint.lower_rad, *joint.upper_rad,
-        joint.speed_rad_per_s, xml_escaped(servo_of(joint.name)),
-        joint.reduction == 1.0 ? "" : fmt::format(" gear=\"{}\"", number_text(joint.reduction)),
-        encoder_bits(joint), node_id, node_id, joint.drive_sign, joint.drive_zero_rad);
+        joint.speed_rad_per_s, joint.is_follower ? mimic_text(joint) : "");
+    if (!joint.is_follower) text += drive_text(joint);
     for (const char* side : {"left", "right"})
       if (moves_foot(joint, side)) text += ankle_sensor_sdf(side, weight_N_);
     return text + "    </joint>\n";
+  }
+
+  static std::string mimic_text(const ImportedJoint& joint) {
+    return fmt::format(
+        "        <mimic joint=\"{}\"><multiplier>{:.9g}</multiplier><offset>{:.6f}</offset></mimic>\n",
+        xml_escaped(joint.mimics), joint.mimic_ratio, joint.mimic_offset_rad + 0.0);
+  }
+
+  std::string drive_text(const ImportedJoint& joint) const {
+    const int node_id = node_id_of(joint.name);
+    return fmt::format(
+        "      <koboshi:servo type=\"{}\"{}/>\n"
+        "      <koboshi:encoder bits=\"{}\" noise_counts=\"0.1\"/>\n"
+        "      <koboshi:drive node_id=\"{}\" serial_number=\"{}\" sign=\"{}\" zero_rad=\"{:.6f}\"/>\n",
+        xml_escaped(servo_of(joint.name)),
+        joint.reduction == 1.0 ? "" : fmt::format(" gear=\"{}\"", number_text(joint.reduction)),
+        encoder_bits(joint), node_id, node_id, joint.drive_sign, joint.drive_zero_rad);
   }
 
   // The last joint of an ankle: the sensor is between the robot and its foot.
@@ -218,7 +232,10 @@ class RobotWriter {
     std::vector<std::string> order = role_names();
     for (const ImportedJoint& joint : robot_.joints)
       if (find_role(joint.name) == nullptr) order.push_back(joint.name);
-    std::erase_if(order, [this](const std::string& other) { return !robot_.find_joint(other); });
+    std::erase_if(order, [this](const std::string& other) {
+      const auto joint = robot_.find_joint(other);
+      return !joint || robot_.joints[static_cast<std::size_t>(*joint)].is_follower;
+    });
     const auto place = std::ranges::find(order, name) - order.begin();
     int node_id = kFirst - 1;
     for (std::ptrdiff_t passed = -1; passed < place;)
@@ -256,7 +273,7 @@ RobotFileParts decide_parts(const ImportedRobot& robot, const ServoCatalogue& ca
   RobotFileParts parts{.source = robot.file.filename().string(),
                        .servo = interview.taken.answers.at("servo")};
   for (const ImportedJoint& joint : robot.joints)
-    if (joint.servo != parts.servo) parts.servos[joint.name] = joint.servo;
+    if (!joint.is_follower && joint.servo != parts.servo) parts.servos[joint.name] = joint.servo;
   parts.name =
       short_name(interview.answer({"name", "What is the robot's name?", short_name(robot.name), {}}));
   ImportQuestion imu{"imu",

@@ -120,6 +120,10 @@ void check_joints(CheckedModel& model) {
     const sim_board::JointDescription& left = model.robot.joints[i];
     if (!left.role().starts_with("left_")) continue;
     const auto mirror = static_cast<std::size_t>(model.robot.mirror_of(static_cast<int>(i)));
+    if (mirror == i && model.robot.mirrored_follower(static_cast<int>(i)) != nullptr) {
+      compare_joints(model, left, model.robot.mirrored_follower(static_cast<int>(i))->hinge);
+      continue;
+    }
     if (mirror == i) {
       model.warn("R003", model.places.of("joint", left.name), "no " + sim_board::other_side(left.role()),
                  "the mirror image of " + left.name);

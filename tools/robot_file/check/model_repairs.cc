@@ -57,6 +57,8 @@ std::string code_of(RobotFaultKind kind) {
       return "R030";
     case RobotFaultKind::kRole:
       return "R031";
+    case RobotFaultKind::kCoupling:
+      return "R033";
   }
   return {};
 }
@@ -285,6 +287,11 @@ void make_repair(const RobotFault& fault, const std::filesystem::path& folder, R
       repair.finding.repair = fault.node.name() == "koboshi:maker"
                                   ? "Correct one of the two numbers."
                                   : "koboshi model map proposes roles and mirrors.";
+      return;
+    case RobotFaultKind::kCoupling:
+      repair.finding.repair = fault.node.name() == "mimic" || fault.node.name() == "multiplier"
+                                  ? "Each motor may turn one joint more than its own."
+                                  : "Remove the element, or <mimic>.";
       return;
     case RobotFaultKind::kFrameRing:
       repair.finding.repair = "Let one of them refer to a frame outside of the ring.";

@@ -35,8 +35,8 @@ std::string_view name_of(Severity severity) {
 
 // The joint that carries a link; null for the base.
 const sim_board::JointDescription* carrier(const sim_board::RobotDescription& robot, std::size_t link) {
-  for (const sim_board::JointDescription& joint : robot.joints)
-    if (joint.child == static_cast<int>(link)) return &joint;
+  for (std::size_t i = 0; i < robot.hinge_count(); ++i)
+    if (robot.hinge(i).child == static_cast<int>(link)) return &robot.hinge(i);
   return nullptr;
 }
 
@@ -46,10 +46,10 @@ std::vector<std::pair<std::size_t, int>> walk(const sim_board::RobotDescription&
   for (std::size_t next = 0; next < order.size(); ++next) {
     const auto [link, depth] = order[next];
     std::size_t place = next + 1;
-    for (const sim_board::JointDescription& joint : robot.joints)
-      if (joint.parent == static_cast<int>(link))
+    for (std::size_t i = 0; i < robot.hinge_count(); ++i)
+      if (robot.hinge(i).parent == static_cast<int>(link))
         order.insert(order.begin() + static_cast<std::ptrdiff_t>(place++),
-                     {static_cast<std::size_t>(joint.child), depth + 1});
+                     {static_cast<std::size_t>(robot.hinge(i).child), depth + 1});
   }
   return order;
 }

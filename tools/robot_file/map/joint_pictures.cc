@@ -21,9 +21,13 @@ constexpr int kSize_px = 480;
 std::vector<bool> moved_links(const sim_board::RobotDescription& robot, std::size_t joint) {
   std::vector<bool> moved(robot.links.size(), false);
   moved[static_cast<std::size_t>(robot.joints[joint].child)] = true;
-  for (std::size_t round = 0; round < robot.joints.size(); ++round) {
-    for (const sim_board::JointDescription& one : robot.joints)
-      if (moved[static_cast<std::size_t>(one.parent)]) moved[static_cast<std::size_t>(one.child)] = true;
+  for (const sim_board::FollowerDescription& follower : robot.followers)
+    if (follower.leader == static_cast<int>(joint))
+      moved[static_cast<std::size_t>(follower.hinge.child)] = true;
+  for (std::size_t round = 0; round < robot.hinge_count(); ++round) {
+    for (std::size_t i = 0; i < robot.hinge_count(); ++i)
+      if (moved[static_cast<std::size_t>(robot.hinge(i).parent)])
+        moved[static_cast<std::size_t>(robot.hinge(i).child)] = true;
   }
   return moved;
 }

@@ -64,6 +64,14 @@ class Proposal {
       carrier[static_cast<std::size_t>(joint(i).child)] = static_cast<int>(i);
       carries[static_cast<std::size_t>(joint(i).parent)] = true;
     }
+    // A follower has its role by its leader, and counts as rigid here.
+    for (std::size_t round = 0; round < robot_.followers.size(); ++round) {
+      for (const sim_board::FollowerDescription& follower : robot_.followers) {
+        carrier[static_cast<std::size_t>(follower.hinge.child)] =
+            carrier[static_cast<std::size_t>(follower.hinge.parent)];
+        carries[static_cast<std::size_t>(follower.hinge.parent)] = true;
+      }
+    }
     for (std::size_t link = 0; link < robot_.links.size(); ++link) {
       Chain chain{.end = static_cast<int>(link),
                   .tip_M = robot_.links[link].X_ML * robot_.links[link].p_LCom_L};

@@ -57,8 +57,19 @@ std::string required_value(const XmlRule& rule) {
   for (const XmlAttributeRule& attribute : rule.attributes)
     if (attribute.required) return rule.name + "/@" + attribute.name;
   for (const XmlRule& child : rule.children) {
-    if (child.count != XmlCount::kRequired) continue;
+    if (!child.is_always_required()) continue;
     if (const std::string path = required_value(child); !path.empty()) return rule.name + "/" + path;
+  }
+  return {};
+}
+
+// The path from an element to a value of a descendant, "axis/mimic".
+std::string value_at(const XmlRule& rule, const std::string& descendant) {
+  const std::size_t slash = descendant.find('/');
+  for (const XmlRule& child : rule.children) {
+    if (child.name != descendant.substr(0, slash)) continue;
+    return slash == std::string::npos ? required_value(child)
+                                      : child.name + "/" + value_at(child, descendant.substr(slash + 1));
   }
   return {};
 }
@@ -154,8 +165,10 @@ class XsdWriter {
   void constraints(const XmlRule& rule, int depth) {
     if (has_repeated(rule)) {
       for (const XmlRule& child : rule.children) {
-        const std::string path = required_value(child);
+        std::string path = required_value(child);
         if (child.count == XmlCount::kRepeated || path.empty()) continue;
+        // Either the element or the one that it may be missing for, and not both.
+        if (!child.unless.empty()) path += "|" + value_at(rule, child.unless);
         const bool required = child.count == XmlCount::kRequired;
         constraint(required ? "key" : "unique",
                    local_name(rule) + (required ? "_has_one_" : "_has_at_most_one_") + local_name(child), ".",

@@ -35,8 +35,8 @@ class UrdfWriter {
   UrdfWriter(const sim_board::RobotDescription& robot, const std::string& mesh_prefix)
       : robot_(robot), mesh_prefix_(mesh_prefix) {
     for (const sim_board::LinkDescription& link : robot.links) X_MF_.push_back(link.X_ML);
-    for (const sim_board::JointDescription& joint : robot.joints)
-      X_MF_[static_cast<std::size_t>(joint.child)].translation() = joint.p_MJ;
+    for (std::size_t i = 0; i < robot.hinge_count(); ++i)
+      X_MF_[static_cast<std::size_t>(robot.hinge(i).child)].translation() = robot.hinge(i).p_MJ;
   }
 
   std::string text(const std::string& robot_file) const {
@@ -46,7 +46,11 @@ class UrdfWriter {
         "<robot name=\"{}\">\n",
         xml_escaped(robot_.name));
     for (std::size_t i = 0; i < robot_.links.size(); ++i) text += link_text(i);
-    for (const sim_board::JointDescription& joint : robot_.joints) text += joint_text(joint);
+    for (const sim_board::JointDescription& joint : robot_.joints)
+      text += joint_text(joint, joint.servo, "") + transmission_text(joint);
+    for (const sim_board::FollowerDescription& follower : robot_.followers)
+      text += joint_text(follower.hinge, robot_.joints[static_cast<std::size_t>(follower.leader)].servo,
+                         mimic_text(follower));
     return text + extension_text(robot_file) + "</robot>\n";
   }
 
@@ -99,22 +103,29 @@ class UrdfWriter {
     return text + "    </visual>\n";
   }
 
-  std::string joint_text(const sim_board::JointDescription& joint) const {
+  std::string mimic_text(const sim_board::FollowerDescription& follower) const {
+    return fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"{}\"/>\n",
+                       xml_escaped(robot_.joints[static_cast<std::size_t>(follower.leader)].name),
+                       number_text(follower.multiplier), number(follower.offset_rad));
+  }
+
+  // `servo`: that of the motor that turns the joint.
+  std::string joint_text(const sim_board::JointDescription& joint, const sim_board::ServoDescription& servo,
+                         const std::string& mimic) const {
     const auto parent = static_cast<std::size_t>(joint.parent);
     const auto child = static_cast<std::size_t>(joint.child);
     return fmt::format(
-               "  <joint name=\"{}\" type=\"revolute\">\n"
-               "    {}\n"
-               "    <parent link=\"{}\"/>\n"
-               "    <child link=\"{}\"/>\n"
-               "    <axis xyz=\"{}\"/>\n"
-               "    <limit lower=\"{}\" upper=\"{}\" effort=\"{:.4g}\" velocity=\"{}\"/>\n"
-               "  </joint>\n",
-               xml_escaped(joint.name), origin_text(X_MF_[parent].inverse() * X_MF_[child]),
-               xml_escaped(robot_.links[parent].name), xml_escaped(robot_.links[child].name),
-               numbers(X_MF_[child].linear().transpose() * joint.axis_M), number(joint.lower_rad),
-               number(joint.upper_rad), stall_torque_Nm(joint.servo), number(joint.max_speed_rad_per_s)) +
-           transmission_text(joint);
+        "  <joint name=\"{}\" type=\"revolute\">\n"
+        "    {}\n"
+        "    <parent link=\"{}\"/>\n"
+        "    <child link=\"{}\"/>\n"
+        "    <axis xyz=\"{}\"/>\n"
+        "    <limit lower=\"{}\" upper=\"{}\" effort=\"{:.4g}\" velocity=\"{}\"/>\n"
+        "{}  </joint>\n",
+        xml_escaped(joint.name), origin_text(X_MF_[parent].inverse() * X_MF_[child]),
+        xml_escaped(robot_.links[parent].name), xml_escaped(robot_.links[child].name),
+        numbers(X_MF_[child].linear().transpose() * joint.axis_M), number(joint.lower_rad),
+        number(joint.upper_rad), stall_torque_Nm(servo), number(joint.max_speed_rad_per_s), mimic);
   }
 
   static std::string transmission_text(const sim_board::JointDescription& joint) {

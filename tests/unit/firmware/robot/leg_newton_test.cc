@@ -126,6 +126,61 @@ TEST_F(NewtonLegTest, FindsFromBentKneesWhatTheReferenceFinds) {
   RecordProperty("worst_um", std::to_string(errors.worst_m * 1e6));
 }
 
+// One motor turns both hip yaws, at any ratio: the other five joints bring the sole where it shall be, and
+// the heading follows from the given yaw.
+TEST_F(NewtonLegTest, FindsFiveJointsForAYawThatBothLegsShare) {
+  SolutionErrors errors;
+  double worst_heading_rad = 0.0;
+  int asked_headings = 0;
+  int compared = 0;
+  int missed = 0;
+  for (int round = 0; round < 600; ++round) {
+    const auto which = side();
+    const double multiplier = (random_() % 2 == 0 ? 1.0 : -1.0) * uniform(0.5, 1.2);
+    Leg leg(test::draw_leg_plan(random_), which);
+    if (!leg.loaded) continue;
+    const RobotModel shared = test::with_shared_yaw(leg.model, multiplier);
+    leg.loaded = load_model(test::encode(shared), leg.model) == ModelStatus::kOk &&
+                 make_leg_geometry(leg.model, which, leg.geometry);
+    ASSERT_TRUE(leg.loaded && leg.geometry.shares_yaw && !leg.geometry.can_turn());
+    const double ratio = which == hal::Side::kLeft ? 1.0 : fixed::to_double(leg.geometry.yaw_multiplier);
+    const fixed::Angle yaw = test::degrees(uniform(-25, 25));
+    // The reference's leg is the chain of hinges.
+    LegGeometry hinges = leg.geometry;
+    hinges.joints = hinges.hinges;
+    const ReferenceLeg reference(leg.model, which, hinges);
+    ReferenceLeg::Angles asked = draw_angles(leg);
+    asked[kHipYaw] = ratio * fixed::to_double(yaw);
+    const SolePose target = reference.pose(asked);
+    const LegAngles solution = leg_inverse_kinematics(leg.model, leg.geometry, test::to_fixed(target),
+                                                      nullptr, FirstSolution::kAtOnce, yaw);
+    ++compared;
+    if (!solution.reached) {
+      ++missed;
+      continue;
+    }
+    ASSERT_EQ(solution.angles[kHipYaw], yaw);
+    ReferenceLeg::Angles found = test::to_double(solution);
+    found[kHipYaw] = asked[kHipYaw];
+    errors.take(reference, target, found);
+    const SolePose sole = reference.pose(found);
+    const test::Point& normal = target.axes[2];
+    const double missing_rad = std::atan2(test::dot(normal, test::cross(sole.axes[0], target.axes[0])),
+                                          test::dot(sole.axes[0], target.axes[0]));
+    worst_heading_rad =
+        std::max(worst_heading_rad, std::abs(fixed::to_double(solution.missing_heading) - missing_rad));
+    if (std::abs(missing_rad) < 1e-4) ++asked_headings;
+  }
+  EXPECT_GT(compared, 560);
+  EXPECT_LT(missed, 6);
+  EXPECT_LT(errors.worst_m, 3e-6);
+  EXPECT_GT(errors.worst_m, 1e-9);
+  EXPECT_LT(errors.worst_direction, 2e-5);
+  EXPECT_LT(worst_heading_rad, 2e-5);
+  EXPECT_GT(worst_heading_rad, 1e-10);
+  EXPECT_GT(asked_headings, 540);
+}
+
 TEST_F(NewtonLegTest, FindsInPartsWhatItFindsAtOnce) {
   double worst_m = 0.0;
   int compared = 0;

@@ -49,6 +49,58 @@ TEST(RobotModel, RoundTripsWithOtherSensors) {
   EXPECT_EQ(test::encode(read), image);
 }
 
+TEST(RobotModel, RoundTripsWithAFollower) {
+  RobotModel written = test::with_shared_yaw(test::make_test_robot(), -0.5);
+  written.couplings[0].offset = test::degrees(3.0);
+  const std::vector<std::byte> image = test::encode(written);
+  RobotModel read;
+  ASSERT_EQ(load_model(image, read), ModelStatus::kOk);
+  EXPECT_EQ(test::encode(read), image);
+  EXPECT_EQ(read.joint_count, 19U);
+  EXPECT_EQ(read.hinge_count(), 20U);
+  EXPECT_FALSE(read.find(JointRole::kRightHipYaw).has_value());
+  const auto yaw = read.find_hinge(JointRole::kRightHipYaw);
+  ASSERT_TRUE(yaw && read.is_follower(*yaw));
+  EXPECT_TRUE(read.leads(*read.find(JointRole::kLeftHipYaw)));
+  std::array<fixed::Angle, kMaxJoints> angles{};
+  angles[*read.find(JointRole::kLeftHipYaw)] = test::degrees(20.0);
+  EXPECT_NEAR(fixed::to_double(read.hinge_angle(angles, *yaw)), -7.0 * test::kRadPerDegree, 1e-6);
+
+  written.ankle_kind = hal::AnkleKind::kPressureCells;
+  ASSERT_EQ(load_model(test::encode(written), read), ModelStatus::kOk);
+  EXPECT_EQ(read.ankle_kind, hal::AnkleKind::kPressureCells);
+  EXPECT_EQ(read.follower_count, 1U);
+}
+
+TEST(RobotModel, RejectsCouplingsOfNoMotor) {
+  const auto status = [](const std::function<void(RobotModel&)>& change) {
+    RobotModel model = test::with_shared_yaw(test::make_test_robot(), -1.0);
+    change(model);
+    RobotModel loaded;
+    return load_model(test::encode(model), loaded);
+  };
+  const auto ratio = [](double value) { return fixed::from_double<fixed::Gain>(value); };
+  EXPECT_EQ(status([](RobotModel&) {}), ModelStatus::kOk);
+  EXPECT_EQ(status([](RobotModel& model) { model.couplings[0].leader = JointIndex(19); }),
+            ModelStatus::kBadCoupling);  // itself
+  EXPECT_EQ(status([&](RobotModel& model) { model.couplings[0].multiplier = ratio(0.04); }),
+            ModelStatus::kBadCoupling);
+  EXPECT_EQ(status([&](RobotModel& model) { model.couplings[0].multiplier = ratio(-8.1); }),
+            ModelStatus::kBadCoupling);
+  // 90 degrees, three times.
+  EXPECT_EQ(status([&](RobotModel& model) { model.couplings[0].multiplier = ratio(3.0); }),
+            ModelStatus::kBadCoupling);
+  EXPECT_EQ(status([](RobotModel& model) {
+              model.follower_count = 2;
+              model.joints[20] = model.joints[19];
+              model.joints[20].role = JointRole::kOther;
+              model.couplings[1] = model.couplings[0];
+            }),
+            ModelStatus::kBadCoupling);  // a second one of the joint
+  EXPECT_EQ(status([](RobotModel& model) { model.joints[19].role = JointRole::kLeftHipYaw; }),
+            ModelStatus::kDuplicateRole);
+}
+
 // An image of before, without the last part.
 TEST(RobotModel, HasItsUnitInTheTrunkAndSixAxesUnlessItSaysOtherwise) {
   RobotModel read;

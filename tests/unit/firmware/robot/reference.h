@@ -51,7 +51,7 @@ inline Point to_base(const robot::RobotModel& model, std::span<const double> ang
 inline Point centre_of_mass(const robot::RobotModel& model, std::span<const double> angles_rad) {
   double mass_kg = fixed::to_double(model.base_mass);
   Point moment = mass_kg * to_point(model.base_centre_of_mass);
-  for (std::size_t i = 0; i < model.joint_count; ++i) {
+  for (std::size_t i = 0; i < model.hinge_count(); ++i) {
     const double link_kg = fixed::to_double(model.joints[i].mass);
     moment = moment + link_kg * to_base(model, angles_rad, static_cast<int>(i),
                                         to_point(model.joints[i].centre_of_mass));

@@ -105,6 +105,31 @@ RobotModel make_test_robot() {
   return model;
 }
 
+RobotModel with_shared_yaw(const RobotModel& model, double multiplier) {
+  const std::size_t yaw = *model.find(JointRole::kRightHipYaw);
+  const std::size_t last = model.joint_count - 1;
+  const auto moved = [&](std::size_t index) { return index == yaw ? last : index > yaw ? index - 1 : index; };
+  const auto moved_link = [&](LinkIndex link) {
+    return link.is_trunk() ? link : LinkIndex(JointIndex(moved(link.joint())));
+  };
+  RobotModel shared = model;
+  for (std::size_t i = 0; i <= last; ++i) {
+    Joint joint = model.joints[i];
+    joint.parent = moved_link(joint.parent);
+    joint.mirror = JointIndex(moved(joint.mirror));
+    shared.joints[moved(i)] = joint;
+  }
+  shared.imu_link = moved_link(model.imu_link);
+  const JointIndex leader = *shared.find(JointRole::kLeftHipYaw);
+  shared.joints[leader].mirror = leader;
+  shared.joints[last].mirror = leader;
+  shared.joints[last].drive = {};
+  shared.joint_count = last;
+  shared.follower_count = 1;
+  shared.couplings[0] = {.leader = leader, .multiplier = from_double<fixed::Gain>(multiplier), .offset = {}};
+  return shared;
+}
+
 void put(std::vector<std::byte>& bytes, std::uint32_t value, int size) {
   for (int i = 0; i < size; ++i) bytes.push_back(static_cast<std::byte>(value >> (8 * i)));
 }
@@ -179,6 +204,18 @@ void put_sensors(std::vector<std::byte>& bytes, const RobotModel& model) {
   }
 }
 
+void put_followers(std::vector<std::byte>& bytes, const RobotModel& model) {
+  if (model.follower_count == 0) return;
+  test::put(bytes, static_cast<std::uint32_t>(model.follower_count), 1);
+  for (std::size_t i = 0; i < model.follower_count; ++i) {
+    put_joint(bytes, model.joints[model.joint_count + i]);
+    const robot::Coupling& coupling = model.couplings[i];
+    test::put(bytes, static_cast<std::uint32_t>(coupling.leader), 1);
+    put(bytes, coupling.multiplier);
+    put(bytes, coupling.offset);
+  }
+}
+
 // The textbook's bitwise CRC.
 std::uint32_t slow_crc32(const std::vector<std::byte>& bytes) {
   std::uint32_t crc = 0xFFFFFFFFu;
@@ -210,6 +247,7 @@ std::vector<std::byte> encode(const RobotModel& model) {
   put_body(image, model);
   for (std::size_t i = 0; i < model.joint_count; ++i) put_joint(image, model.joints[i]);
   put_sensors(image, model);
+  put_followers(image, model);
   seal(image);
   return image;
 }

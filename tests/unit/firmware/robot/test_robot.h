@@ -30,6 +30,9 @@ inline robot::Position position(double x_m, double y_m, double z_m) {
 // joints.
 robot::RobotModel make_test_robot();
 
+// Makes the right hip yaw a follower of the left one, behind all joints: angle = multiplier * left angle.
+robot::RobotModel with_shared_yaw(const robot::RobotModel& model, double multiplier);
+
 // Indices of some joints, and the gyro's counts per rad/s.
 inline constexpr std::size_t kKnee = 3;
 inline constexpr std::size_t kHeadTilt = 19;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -72,6 +73,58 @@ class BodyTest : public testing::Test {
   robot::RobotModel model = test::load_test_robot();
   std::mt19937 random{20081};
 };
+
+// One motor turns both hip yaws: the feet of a turning walk have the planned heading relative to each other,
+// and their planned places in the trunk's frame.
+TEST_F(BodyTest, TurnsTheFeetAgainstEachOtherByOneMotor) {
+  model.joints[0].axis = {from_double<Ratio>(0.0), from_double<Ratio>(-std::sqrt(0.5)),
+                          from_double<Ratio>(std::sqrt(0.5))};
+  model.joints[6].axis = {from_double<Ratio>(0.0), from_double<Ratio>(std::sqrt(0.5)),
+                          from_double<Ratio>(std::sqrt(0.5))};
+  robot::RobotModel shared;
+  ASSERT_EQ(robot::load_model(test::encode(test::with_shared_yaw(model, -1.0)), shared),
+            robot::ModelStatus::kOk);
+  EXPECT_TRUE(robot::can_turn(shared));
+  Body body(shared);
+  ASSERT_TRUE(body.has_legs() && body.max_turn());
+  EXPECT_NEAR(to_double(*body.max_turn()), 60.0 * test::kRadPerDegree,
+              1e-6);  // 1.41 times 90 degrees, clamped
+  body.begin_in_parts();
+  std::array<Angle, robot::kMaxJoints> targets{};
+  double worst_rad = 0.0;
+  double largest_rad = 0.0;
+  constexpr int kCycles = 200;
+  for (int cycle = 0; cycle < kCycles; ++cycle) {
+    // The feet turn by up to 20 degrees to either side in 0.5 s.
+    const double apart_rad = 20.0 * test::kRadPerDegree * std::sin(2.0 * std::numbers::pi * cycle / 100.0);
+    Stance stance;
+    stance.soles = {
+        Foothold{.p = {{}, from_double<Length>(0.033)}, .yaw = from_double<Angle>(0.5 * apart_rad)},
+        Foothold{.p = {{}, from_double<Length>(-0.033)}, .yaw = from_double<Angle>(-0.5 * apart_rad)}};
+    stance.centre_of_mass = {{}, {}, from_double<Length>(0.160)};
+    stance.heights[cycle / 50 % 2 == 0 ? 0 : 1] = from_double<Length>(0.01);
+    body.solve(stance, {}, targets);
+    if (!body.is_complete() || cycle < 20) continue;
+    const Posed posed(shared, targets);
+    const double found_rad = test::yaw_rad(posed.sole_axis(Side::kLeft, kAhead, Side::kRight));
+    worst_rad = std::max(worst_rad, std::abs(found_rad - apart_rad));
+    largest_rad = std::max(largest_rad, std::abs(found_rad));
+  }
+  EXPECT_LT(worst_rad, 0.2 * test::kRadPerDegree);
+  EXPECT_GT(largest_rad, 19.0 * test::kRadPerDegree);
+}
+
+// Equal axes at a ratio of 1 turn both feet to the same side, which turns no robot.
+TEST_F(BodyTest, KnowsAMotorThatDoesNotTurnTheFeetAgainstEachOther) {
+  robot::RobotModel shared;
+  ASSERT_EQ(robot::load_model(test::encode(test::with_shared_yaw(model, 1.0)), shared),
+            robot::ModelStatus::kOk);
+  EXPECT_FALSE(robot::can_turn(shared));
+  EXPECT_EQ(Body(shared).max_turn(), Angle());
+  ASSERT_EQ(robot::load_model(test::encode(test::with_shared_yaw(model, -1.0)), shared),
+            robot::ModelStatus::kOk);
+  EXPECT_TRUE(robot::can_turn(shared));
+}
 
 // The requested centre of mass relative to the sole `from`.
 test::Point asked(const Stance& stance, Side from, Point p, Length height) {

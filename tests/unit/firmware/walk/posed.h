@@ -22,7 +22,8 @@ inline robot::RobotModel load_test_robot() {
 class Posed {
  public:
   Posed(const robot::RobotModel& model, std::span<const fixed::Angle> angles) : model_(model) {
-    for (std::size_t i = 0; i < model.joint_count; ++i) angles_rad_[i] = fixed::to_double(angles[i]);
+    for (std::size_t i = 0; i < model.hinge_count(); ++i)
+      angles_rad_[i] = fixed::to_double(model.hinge_angle(angles, robot::JointIndex(i)));
   }
 
   Point sole(hal::Side side, hal::Side seen_from) const {

@@ -128,6 +128,19 @@ inline const std::string kFullRobot =
         <koboshi:crosstalk>0.07</koboshi:crosstalk>
       </sensor>
     </joint>
+    <link name="toes">
+      <pose relative_to="foot">0.02 0 0 0 0 0</pose>
+      <inertial><mass>0.1</mass><inertia><ixx>2e-4</ixx><iyy>3e-4</iyy><izz>4e-4</izz></inertia></inertial>
+    </link>
+    <joint name="toe_joint" type="revolute">
+      <parent>foot</parent>
+      <child>toes</child>
+      <axis>
+        <xyz>0 1 0</xyz>
+        <limit><lower>-1</lower><upper>1</upper><velocity>1</velocity></limit>
+        <mimic joint="ankle"><multiplier>-0.5</multiplier><offset>0.1</offset><reference>0.2</reference></mimic>
+      </axis>
+    </joint>
   </model>
 </sdf>
 )";

@@ -92,6 +92,70 @@ TEST(LoadRobot, RejectsUnknownDuplicateAndMissingElements) {
             "FILE:21: found the unknown element <sphere> in <geometry>, expected box");
 }
 
+// kSmallRobot with a second hand, which the wrist's motor turns as well.
+std::string with_follower(const std::string& mimic, const std::string& more = "") {
+  return with("  </model>", R"(    <link name="claw">
+      <pose relative_to="base">0 0 0.2 0 0 0</pose>
+      <inertial><mass>0.1</mass><inertia><ixx>2e-4</ixx><iyy>3e-4</iyy><izz>4e-4</izz></inertia></inertial>
+    </link>
+    <joint name="grip" type="revolute">
+      <parent>base</parent>
+      <child>claw</child>
+      <axis>
+        <xyz>0 0 1</xyz>
+        <limit><lower>-3</lower><upper>3</upper><velocity>1</velocity></limit>
+        )" + mimic + R"(
+      </axis>
+)" + more + R"(    </joint>
+  </model>)");
+}
+
+TEST(LoadRobot, ReadsAJointThatFollowsAnother) {
+  const ScratchFile scratch(
+      "sdf", with_follower("<mimic joint=\"wrist\"><multiplier>-0.5</multiplier><offset>0.1</offset>"
+                           "<reference>0.4</reference></mimic>"));
+  const RobotDescription robot = load_robot(scratch.path());
+  ASSERT_EQ(robot.joints.size(), 1U);
+  ASSERT_EQ(robot.followers.size(), 1U);
+  const FollowerDescription& grip = robot.followers[0];
+  EXPECT_EQ(grip.hinge.name, "grip");
+  EXPECT_EQ(grip.leader, 0);
+  EXPECT_EQ(grip.multiplier, -0.5);
+  EXPECT_DOUBLE_EQ(grip.offset_rad, 0.3);
+  EXPECT_DOUBLE_EQ(grip.position_rad(0.4), 0.1);
+  // The range that the wrist's, -1 to 2, leaves it.
+  EXPECT_DOUBLE_EQ(grip.hinge.lower_rad, -0.7);
+  EXPECT_DOUBLE_EQ(grip.hinge.upper_rad, 0.8);
+  EXPECT_DOUBLE_EQ(grip.hinge.max_speed_rad_per_s, 3.5);
+  EXPECT_EQ(robot.hinge_count(), 2U);
+  const std::vector<double> positions_rad = robot.hinge_positions_rad({0.4});
+  ASSERT_EQ(positions_rad.size(), 2U);
+  EXPECT_DOUBLE_EQ(positions_rad[1], 0.1);
+}
+
+TEST(LoadRobot, RefusesCouplingsOfNoMotor) {
+  const auto mimic = [](const std::string& joint, const std::string& multiplier = "1") {
+    return "<mimic joint=\"" + joint + "\"><multiplier>" + multiplier + "</multiplier></mimic>";
+  };
+  EXPECT_THAT(complaint(with_follower(mimic("elbow"))),
+              testing::EndsWith("found joint = elbow, expected the name of a joint with a drive"));
+  EXPECT_THAT(complaint(with_follower(mimic("grip"))),
+              testing::EndsWith("found joint = grip, expected the name of a joint with a drive"));
+  EXPECT_THAT(complaint(with_follower(mimic("wrist", "0.01"))),
+              testing::EndsWith("found a multiplier of 0.01, expected at least 0.05 or at most -0.05"));
+  EXPECT_THAT(complaint(with_follower(mimic("wrist", "9"))),
+              testing::EndsWith("found <multiplier> = 9, expected a number from -8 to 8"));
+  EXPECT_THAT(complaint(with_follower("<mimic joint=\"wrist\"/>")),
+              testing::EndsWith("found <mimic> without <multiplier>, expected that element"));
+  EXPECT_THAT(
+      complaint(with_follower(mimic("wrist"), "      <koboshi:encoder bits=\"12\"/>\n")),
+      testing::EndsWith("found <koboshi:encoder> of grip, which has <mimic>, expected that element on the "
+                        "joint that it follows, or no <mimic>"));
+  // Without it the joint needs a drive.
+  EXPECT_THAT(complaint(with_follower("")),
+              testing::EndsWith("found <joint> without <koboshi:servo>, expected that element"));
+}
+
 TEST(LoadRobot, RefusesBadNumbers) {
   EXPECT_EQ(complaint(with("<mass>0.1", "<mass>-0.1")),
             "FILE:16: found <mass> = -0.1, expected a number from 1e-06 to 1000");

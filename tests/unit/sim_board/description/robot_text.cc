@@ -101,6 +101,10 @@ class RobotWriter {
     write("robot", robot.name);
     for (const LinkDescription& link : robot.links) write_link(link);
     for (const JointDescription& joint : robot.joints) write_joint(joint);
+    for (const FollowerDescription& follower : robot.followers) {
+      write_joint(follower.hinge);
+      write("follower", follower.leader, follower.multiplier, follower.offset_rad);
+    }
     if (const auto& b = robot.battery) write("battery", b->open_circuit_V, b->internal_resistance_ohm);
     if (const auto& imu = robot.imu) {
       write("imu", imu->name, imu->link, imu->X_LS.matrix(), imu->g_sensitivity);

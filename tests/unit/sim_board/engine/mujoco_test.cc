@@ -47,7 +47,7 @@ TEST(Mujoco, HasRowsEquivalentToOde) {
     options.X_WB.translation().z() = 0.00499;
     options = checked(options, robot);
     const auto pairs = touching_pairs(robot, hinge_tree(robot), options);
-    const MujocoModel model = load_model(model_text(robot, pairs, options, Base::kFree));
+    const MujocoModel model = load_model(model_text(robot, {}, pairs, options, Base::kFree));
     std::fill_n(model->body_invweight0 + 2, 2, kInverseInertia);
     const MujocoData data = make_data(*model);
     mj_forward(model.get(), data.get());

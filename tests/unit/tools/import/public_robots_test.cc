@@ -11,6 +11,7 @@
 
 #include "base/text/error.h"
 #include "sim_board/description/load.h"
+#include "simulation/model/abilities.h"
 #include "simulation/model/robot_model.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/tools/import/kit_robot.h"
@@ -101,22 +102,67 @@ TEST_F(PublicRobots, FacesAsItsSidesAndKneesSay) {
   EXPECT_EQ(source_of(import(without_sides), "forward"), "-x");
 }
 
-// One motor drives both hip yaws: legs of which one turns and the other does not are no legs.
-TEST_F(PublicRobots, LocksBothHipsThatOneMotorTurns) {
-  const std::string text = replaced(KitRobot().text(), "<child link=\"r1\"/>",
-                                    "<child link=\"r1\"/><mimic joint=\"j_l1\" multiplier=\"1\"/>");
+// One motor drives both hip yaws.
+TEST_F(PublicRobots, CouplesBothHipsThatOneMotorTurns) {
+  // The right hip's zero is turned by 0.05 rad in the file, and so is the law of its angle.
+  const std::string text =
+      replaced(KitRobot().text(), "<child link=\"r1\"/>\n    <origin xyz=\"0 -0.04 -0.03\" rpy=\"0 0 0\"/>",
+               "<child link=\"r1\"/><origin xyz=\"0 -0.04 -0.03\" rpy=\"0 0 -0.05\"/>"
+               "<mimic joint=\"j_l1\" multiplier=\"-1\" offset=\"0.05\"/>");
   const ImportResult result = import(text);
-  EXPECT_TRUE(has_line(result.report.warnings, "one motor turns j_r1 and j_l1: both are locked"));
-  EXPECT_EQ(source_of(result, "left_hip_yaw"), "");
+  EXPECT_TRUE(has_line(result.report.normalised, "j_r1 follows j_l1, as -1 times its angle and 2.86 deg"));
+  EXPECT_EQ(source_of(result, "left_hip_yaw"), "j_l1");
+  EXPECT_EQ(source_of(result, "right_hip_yaw"), "j_r1");
+  EXPECT_EQ(source_of(result, "one_motor"), "yes");
   const sim_board::RobotDescription robot = load(result);
-  EXPECT_EQ(robot.joints.size(), 18U);
-  EXPECT_TRUE(robot.find_joint("left_hip_roll") && robot.find_joint("right_hip_roll"));
+  EXPECT_EQ(robot.joints.size(), 19U);
+  ASSERT_EQ(robot.followers.size(), 1U);
+  const sim_board::FollowerDescription& follower = robot.followers[0];
+  EXPECT_EQ(follower.hinge.name, "right_hip_yaw");
+  EXPECT_EQ(robot.joints[static_cast<std::size_t>(follower.leader)].name, "left_hip_yaw");
+  EXPECT_DOUBLE_EQ(follower.multiplier, -1.0);
+  // Joint zero is a pose of both.
+  EXPECT_NEAR(follower.offset_rad, 0.0, 1e-6);
+  const std::vector<simulation::LostAbility> lost =
+      simulation::find_lost_abilities(simulation::load_named_model(robot).model);
+  EXPECT_TRUE(std::ranges::none_of(
+      lost, [](const auto& ability) { return ability.ability == robot::Ability::kTurning; }));
   EXPECT_EQ(import(text, read_decisions(folder_.path / "out/import.yaml")).files.at("robot.sdf"),
             result.files.at("robot.sdf"));
+}
 
-  ImportDecisions two_motors;
-  two_motors.joints = {{"left_hip_yaw", "j_l1"}, {"right_hip_yaw", "j_r1"}};
-  EXPECT_EQ(load(import(text, two_motors)).joints.size(), 20U);
+// Before this question, entries for both in `joints` gave each a motor of its own.
+TEST_F(PublicRobots, GivesEachHipAMotorIfAsked) {
+  const std::string text = replaced(KitRobot().text(), "<child link=\"r1\"/>",
+                                    "<child link=\"r1\"/><mimic joint=\"j_l1\" multiplier=\"1\"/>");
+  ImportDecisions named;
+  named.joints = {{"left_hip_yaw", "j_l1"}, {"right_hip_yaw", "j_r1"}};
+  EXPECT_EQ(load(import(text, named)).joints.size(), 20U);
+  ImportDecisions asked;
+  asked.answers["one_motor"] = "no";
+  const sim_board::RobotDescription robot = load(import(text, asked));
+  EXPECT_EQ(robot.joints.size(), 20U);
+  EXPECT_TRUE(robot.followers.empty());
+  // Both turn to the same side: the robot has the coupling, but cannot turn by it.
+  const sim_board::RobotDescription coupled = load(import(text));
+  ASSERT_EQ(coupled.followers.size(), 1U);
+  EXPECT_DOUBLE_EQ(coupled.followers[0].multiplier, 1.0);
+  const std::vector<simulation::LostAbility> lost =
+      simulation::find_lost_abilities(simulation::load_named_model(coupled).model);
+  EXPECT_TRUE(std::ranges::any_of(
+      lost, [](const auto& ability) { return ability.ability == robot::Ability::kTurning; }));
+}
+
+// A motor for two other joints of the legs is none that the firmware walks with.
+TEST_F(PublicRobots, LocksOtherJointsThatOneMotorTurns) {
+  KitRobot kit;
+  kit.hip_axes = "xzy";
+  const ImportResult result =
+      import(replaced(kit.text(), "<child link=\"r1\"/>", "<child link=\"r1\"/><mimic joint=\"j_l1\"/>"));
+  EXPECT_TRUE(has_line(result.report.warnings, "one motor turns j_r1 and j_l1: both are locked"));
+  const sim_board::RobotDescription robot = load(result);
+  EXPECT_EQ(robot.joints.size(), 18U);
+  EXPECT_TRUE(robot.followers.empty());
 }
 
 // A knee that mimics the hip of its own leg is a linkage, not one motor for both legs.
