@@ -20,6 +20,7 @@
 #include "lab/bring_up/recovery_motion.h"
 #include "lab/bring_up/robot_files.h"
 #include "lab/bring_up/rungs.h"
+#include "lab/bring_up/standing_pose.h"
 #include "lab/bring_up/start_values.h"
 #include "lab/bring_up/value_search.h"
 #include "lab/experiment/files.h"
@@ -69,10 +70,8 @@ class Climber {
     for (std::size_t i = 0; i < kRungs.size(); ++i) {
       rung_ = i;
       Rung rung{.name = kRungs[i].name, .figure = {}, .cause = {}};
-      const auto needed = result_.rungs.begin() + static_cast<std::ptrdiff_t>(std::min(i, kRungs[i].needs));
-      if (going &&
-          std::all_of(result_.rungs.begin(), needed, [](const Rung& below) { return below.is_passed(); }))
-        rung = climbed(rung);
+      rung.cause = going ? missing_for(kRungs[i]) : "after the last rung to try";
+      if (rung.cause.empty()) rung = climbed(rung);
       going = going && options_.until != kRungs[i].name;
       result_.rungs.push_back(std::move(rung));
     }
@@ -87,10 +86,8 @@ class Climber {
   struct Step {
     const char* name;
     Climb climb;
-    std::size_t needs = kAllBelow;  // number of the first rungs that must be passed
+    const char* needs;  // the rung that must be passed; empty: none
   };
-  static constexpr std::size_t kAllBelow = static_cast<std::size_t>(-1);
-  static constexpr std::size_t kUpToSquats = 5;
   static const std::array<Step, 12> kRungs;
 
  private:
@@ -132,6 +129,15 @@ class Climber {
   // Returns whether a file is made below a rung, which depends on it.
   static bool is_input_of(std::string_view rung, const fs::path& file) {
     return file != "go.yaml" && file.extension() != ".csv" && rung_of(rung) > made_at(file);
+  }
+
+  // Why a rung cannot be tried; empty if it can.
+  std::string missing_for(const Step& step) const {
+    if (*step.needs == '\0') return {};
+    const Rung& needed = result_.rungs[rung_of(step.needs)];
+    if (needed.is_passed()) return {};
+    return fmt::format("needs the rung \"{}\", which {}", needed.name,
+                       needed.result == Rung::Result::kFailed ? "failed" : "was not tried");
   }
 
   // The hash of what a rung depends on. The first one makes the files from the robot.
@@ -441,27 +447,30 @@ class Climber {
     result_.rungs = kept.rungs;
   }
 
-  // Whether the rungs below the present one carry a robot. `measured` receives what they are.
-  bool lower_rungs(const TriedRobot& robot, std::vector<Rung>* measured = nullptr) const {
+  // Plays a rung between the first one and the turns, without a search.
+  WalkRung measure_rung(std::size_t rung, const TriedRobot& robot) const {
     using Measure = Rung (*)(const TriedRobot&, const PlayOptions&);
     constexpr std::array<Measure, 5> kMeasures{lab::hang, lab::stand, lab::shift_weight, lab::squat,
                                                lab::march};
-    const PlayOptions play = play_options();
-    for (std::size_t i = 0; i < kMeasures.size() && i + 1 < rung_; ++i) {
-      Rung rung = kMeasures[i](robot, play);
-      if (!rung.is_passed()) return false;
+    if (rung <= kMeasures.size()) return {.rung = kMeasures[rung - 1](robot, play_options()), .speed = {}};
+    return fastest(robot, play_options(),
+                   rung == rung_of("walks forward") ? forward_walk() : sideways_walk());
+  }
+
+  // Returns whether a robot reaches the rungs below the present one that have been passed. `measured` receives
+  // all of them, from the second one on, with those that failed and may now be reached.
+  bool lower_rungs(const TriedRobot& robot, std::vector<WalkRung>* measured = nullptr) const {
+    for (std::size_t i = 1; i < rung_; ++i) {
+      const bool was_passed = result_.rungs[i].is_passed();
+      const bool is_forward = i == rung_of("walks forward");
+      if (is_forward && was_passed &&
+          !walks_at(robot, play_options(), forward_walk(), *journal_.walked_m_per_s))
+        return false;
+      if (measured == nullptr && (is_forward || !was_passed)) continue;
+      WalkRung rung = measure_rung(i, robot);
+      if (was_passed && !rung.rung.is_passed()) return false;
       if (measured != nullptr) measured->push_back(std::move(rung));
     }
-    if (rung_ <= rung_of("walks forward")) return true;
-    if (!walks_at(robot, play, forward_walk(), *journal_.walked_m_per_s)) return false;
-    if (measured != nullptr) {
-      measured->push_back(fastest(robot, play, forward_walk()).rung);
-      if (measured->back().result != Rung::Result::kReached) return false;
-    }
-    if (rung_ <= rung_of("walks sideways")) return true;
-    Rung sideways = fastest(robot, play, sideways_walk()).rung;
-    if (sideways.result != Rung::Result::kReached) return false;
-    if (measured != nullptr) measured->push_back(std::move(sideways));
     return true;
   }
 
@@ -480,15 +489,17 @@ class Climber {
                                                SearchEnd(options_.candidates, end_), journal_.searched);
     journal_.searched += found.candidates;
     if (!found.robot) return false;
-    std::vector<Rung> measured;
+    std::vector<WalkRung> measured;
     if (!lower_rungs(*found.robot, &measured)) return false;
     current_ = found.robot;
     journal_.factors = found.factors;
     for (std::size_t i = 0; i < measured.size(); ++i) {
       const char* name = kRungs[i + 1].name;
-      measured[i].name = name;
-      journal_.entries[i + 1] = {measured[i], inputs_of(name)};
-      result_.rungs[i + 1] = measured[i];
+      Rung& rung = measured[i].rung;
+      rung.name = name;
+      journal_.entries[i + 1] = {rung, inputs_of(name)};
+      result_.rungs[i + 1] = rung;
+      if (i + 1 == rung_of("walks forward")) journal_.walked_m_per_s = measured[i].speed;
     }
     return true;
   }
@@ -501,9 +512,14 @@ class Climber {
         options_.first_seed + options_.seeds - 1, options_.world, options_.stepper);
     for (const Step& step : kRungs) {
       const JournalEntry* entry = journal_.find(step.name);
-      const Rung::Result result = entry == nullptr ? Rung::Result::kNotTried : entry->rung.result;
-      text += fmt::format("| {} | {} | {} |\n", step.name, mark_of(result),
-                          entry == nullptr ? std::string() : entry->rung.text());
+      const auto skipped = std::ranges::find(result_.rungs, step.name, &Rung::name);
+      Rung rung{.name = step.name, .figure = {}, .cause = {}};
+      if (entry != nullptr) {
+        rung = entry->rung;
+      } else if (skipped != result_.rungs.end()) {
+        rung = *skipped;
+      }
+      text += fmt::format("| {} | {} | {} |\n", step.name, mark_of(rung.result), rung.text());
     }
     text += fmt::format("\nThe start values are scaled from {}", reference_.robot.text);
     if (journal_.searched > 0)
@@ -533,18 +549,18 @@ class Climber {
 };
 
 const std::array<Climber::Step, 12> Climber::kRungs{
-    {{"loads", &Climber::load},
-     {"hangs", &Climber::hang},
-     {"stands", &Climber::stand},
-     {"shifts its weight", &Climber::shift},
-     {"squats", &Climber::squat},
-     {"steps on the spot", &Climber::march},
-     {"walks forward", &Climber::walk},
-     {"walks sideways", &Climber::sidestep},
-     {"turns", &Climber::turn},
-     {"falls protected", &Climber::fall, kUpToSquats},
-     {"gets up from the front", &Climber::rise_prone, kUpToSquats},
-     {"gets up from the back", &Climber::rise_supine, kUpToSquats}}};
+    {{"loads", &Climber::load, ""},
+     {"hangs", &Climber::hang, "loads"},
+     {"stands", &Climber::stand, "hangs"},
+     {"shifts its weight", &Climber::shift, "stands"},
+     {"squats", &Climber::squat, "stands"},
+     {"steps on the spot", &Climber::march, "stands"},
+     {"walks forward", &Climber::walk, "stands"},
+     {"walks sideways", &Climber::sidestep, "stands"},
+     {"turns", &Climber::turn, "stands"},
+     {"falls protected", &Climber::fall, "stands"},
+     {"gets up from the front", &Climber::rise_prone, "stands"},
+     {"gets up from the back", &Climber::rise_supine, "stands"}}};
 
 }  // namespace
 
