@@ -17,6 +17,7 @@
 #include "base/text/user_units.h"
 #include "firmware/motion/roles.h"
 #include "lab/bring_up/recovery.h"
+#include "lab/bring_up/recovery_check.h"
 #include "lab/bring_up/recovery_motion.h"
 #include "lab/bring_up/robot_files.h"
 #include "lab/bring_up/rungs.h"
@@ -215,9 +216,9 @@ class Climber {
     // Less than the highest speed, at which some robots fall with other seeds than those of the ladder: of an
     // imported one 1 of 5, and none at this share (28 November 2026).
     constexpr double kShare = 0.7;
-    const double forward_m_per_s =
-        journal_.walked_m_per_s ? kShare * *journal_.walked_m_per_s
-                                : 0.3 * values.value("highest_velocity_forward_mm_per_s") / 1e3;
+    const double forward_m_per_s = journal_.walked_m_per_s
+                                       ? kShare * *journal_.walked_m_per_s
+                                       : 0.3 * values.value("highest_velocity_forward_mm_per_s") / 1e3;
     std::string motions;
     for (const std::string& name : motion_names(files)) motions += (motions.empty() ? "" : ", ") + name;
     return fmt::format(
@@ -363,8 +364,10 @@ class Climber {
     add_motions({name, "roll_left", "roll_right"});
     Rung rung = lab::get_up(*current_, play_options(), lying);
     const fs::path file = fs::path("motions") / (std::string(name) + ".yaml");
-    const bool is_own = motions_.contains(name);
-    if (rung.result == Rung::Result::kFailed && is_own) {
+    const SearchEnd end(options_.candidates, end_);
+    if (motions_.contains(name) && !end.is_reached(0)) {
+      const std::vector<RecoveryMotion> starts = rise_starts(name, lying);
+      RecoveryCheck check(options_.robot);
       const RiseSearch search{.make =
                                   [&](const RecoveryMotion& motion) {
                                     RobotFiles files = current_->files();
@@ -378,20 +381,48 @@ class Climber {
                                   },
                               .lying = lying,
                               .play = play_options(),
+                              .check = check,
                               .progress = progress_};
-      const SearchEnd end(options_.candidates, end_);
-      const SearchedMotion found = search_rise(search, motions_.at(name), options_.candidates, end);
-      journal_.searched += found.candidates;
-      if (found.candidates > 0) current_->files()[std::string(name) + "-search.csv"] = csv_head() + found.log;
-      if (found.motion) {
-        current_->files()[file] = found.motion->text(kOrigin);
-        rung = lab::get_up(*current_, play_options(), lying);
-        if (rung.result == Rung::Result::kReached)
-          rung.figure +=
-              fmt::format(", with a motion that was searched for ({} candidates)", found.candidates);
+      const SearchedMotion found = search_rise(search, starts, options_.candidates, end);
+      if (found.candidates > 1) {
+        journal_.searched += found.candidates;
+        current_->files()[std::string(name) + "-search.csv"] = csv_head() + found.log;
       }
+      if (found.motion) rung = with_found(*found.motion, found.candidates, lying, rung);
     }
     if (rung.result == Rung::Result::kReached) rung.figure += notes_;
+    return rung;
+  }
+
+  // The motions with which a search for getting up begins.
+  std::vector<RecoveryMotion> rise_starts(const char* name, Lying lying) const {
+    // Where hands throw the trunk over the feet, a larger robot may need it faster than by its scaled times.
+    constexpr double kFaster = 0.75;
+    std::vector<RecoveryMotion> starts{motions_.at(name), motions_.at(name).with_times(kFaster)};
+    if (lying == Lying::kProne) return starts;
+    try {
+      const StandingPose pose = standing_pose(current_->values(), *model_, kOrigin);
+      starts.push_back(RecoveryMotion::over_the_side(
+          RecoveryMotion::retarget("rise_prone", options_.robot, robot_, pose.joints_deg, 1.0)));
+    } catch (const InputError&) {  // a motion of the user's own with other steps, say
+    }
+    return starts;
+  }
+
+  // Takes a motion that a search has found, unless the robots stood up by the one before and do not by this.
+  Rung with_found(const RecoveryMotion& motion, std::size_t candidates, Lying lying, const Rung& before) {
+    const fs::path file = fs::path("motions") / (motion.name() + ".yaml");
+    std::string& text = current_->files().at(file);
+    const std::string kept = text;
+    text = motion.text(kOrigin);
+    Rung rung = lab::get_up(*current_, play_options(), lying);
+    if (rung.result != Rung::Result::kReached && before.result == Rung::Result::kReached) {
+      text = kept;
+      return before;
+    }
+    motions_.insert_or_assign(motion.name(), motion);
+    if (rung.result == Rung::Result::kReached)
+      rung.figure += fmt::format(", with a motion that was searched for ({} candidates)", candidates);
     return rung;
   }
 
@@ -400,6 +431,7 @@ class Climber {
   // Adds motions that the reference robot has to the files, unless the robot has its own.
   void add_motions(const std::vector<std::string>& names) {
     notes_.clear();
+    RecoveryCheck check(options_.robot);
     const StandingPose pose = standing_pose(current_->values(), *model_, kOrigin);
     for (const std::string& name : names) {
       const fs::path file = fs::path("motions") / (name + ".yaml");
@@ -408,8 +440,8 @@ class Climber {
         continue;
       }
       if (current_->files().contains(file) && name.starts_with("roll_")) continue;
-      RecoveryMotion motion = RecoveryMotion::retarget(name, options_.reference, robot_, pose.joints_deg,
-                                                       current_->values().time_scale);
+      RecoveryMotion motion = check.mended(RecoveryMotion::retarget(
+          name, options_.reference, robot_, pose.joints_deg, current_->values().time_scale));
       current_->files()[file] = motion.text(kOrigin);
       for (const std::string& note : motion.notes()) {
         if (notes_.find(note) == std::string::npos) notes_ += "; " + note;
@@ -457,8 +489,8 @@ class Climber {
                    rung == rung_of("walks forward") ? forward_walk() : sideways_walk());
   }
 
-  // Returns whether a robot reaches the rungs below the present one that have been passed. `measured` receives
-  // all of them, from the second one on, with those that failed and may now be reached.
+  // Returns whether a robot reaches the rungs below the present one that have been passed. `measured`
+  // receives all of them, from the second one on, with those that failed and may now be reached.
   bool lower_rungs(const TriedRobot& robot, std::vector<WalkRung>* measured = nullptr) const {
     for (std::size_t i = 1; i < rung_; ++i) {
       const bool was_passed = result_.rungs[i].is_passed();
