@@ -352,9 +352,7 @@ class Climber {
 
   Rung fall() {
     add_motions({"fall_front", "fall_back", "fall_left", "fall_right"});
-    Rung rung = lab::protect_falls(*current_, play_options());
-    if (rung.result == Rung::Result::kReached) rung.figure += notes_;
-    return rung;
+    return with_notes(lab::protect_falls(*current_, play_options()));
   }
   Rung rise_prone() { return rise("rise_prone", Lying::kProne); }
   Rung rise_supine() { return rise("rise_supine", Lying::kSupine); }
@@ -388,10 +386,29 @@ class Climber {
         journal_.searched += found.candidates;
         current_->files()[std::string(name) + "-search.csv"] = csv_head() + found.log;
       }
-      if (found.motion) rung = with_found(*found.motion, found.candidates, lying, rung);
+      if (found.motion) {
+        rung = with_found(*found.motion, found.candidates, lying, rung);
+        note_errors(motions_.at(name), check);
+      }
     }
-    if (rung.result == Rung::Result::kReached) rung.figure += notes_;
+    return with_notes(std::move(rung));
+  }
+
+  // A rung with what is noted about its motions.
+  Rung with_notes(Rung rung) const {
+    const bool is_reached = rung.result == Rung::Result::kReached;
+    if (is_reached) rung.figure += notes_;
+    for (const auto& [name, error] : errors_) (is_reached ? rung.figure : rung.cause) += error;
     return rung;
+  }
+
+  // Notes the first error that the check finds in a motion that has been mended.
+  void note_errors(const RecoveryMotion& motion, RecoveryCheck& check) {
+    errors_.erase(motion.name());
+    const std::vector<std::string> errors = check.errors(motion);
+    if (!errors.empty())
+      errors_[motion.name()] =
+          fmt::format("; the check of {} finds {} errors: {}", motion.name(), errors.size(), errors.front());
   }
 
   // The motions with which a search for getting up begins.
@@ -431,6 +448,7 @@ class Climber {
   // Adds motions that the reference robot has to the files, unless the robot has its own.
   void add_motions(const std::vector<std::string>& names) {
     notes_.clear();
+    errors_.clear();
     RecoveryCheck check(options_.robot);
     const StandingPose pose = standing_pose(current_->values(), *model_, kOrigin);
     for (const std::string& name : names) {
@@ -446,6 +464,7 @@ class Climber {
       for (const std::string& note : motion.notes()) {
         if (notes_.find(note) == std::string::npos) notes_ += "; " + note;
       }
+      note_errors(motion, check);
       motions_.insert_or_assign(name, std::move(motion));
     }
   }
@@ -577,6 +596,7 @@ class Climber {
   std::shared_ptr<TriedRobot> current_;
   std::map<std::string, RecoveryMotion> motions_;  // for recovery, by name, before a search
   std::string notes_;                              // about those of the present rung, each after "; "
+  std::map<std::string, std::string> errors_;      // that the check finds in them, by motion, as `notes_`
   BringUpResult result_;
 };
 

@@ -32,7 +32,8 @@ TEST(RecoveryCheck, SlowsDownJointsThatTurnTooFast) {
   const std::filesystem::path koboshi = kRobots / "koboshi/robot.sdf";
   const sim_board::RobotDescription robot = sim_board::load_robot(koboshi);
   RecoveryCheck check(koboshi);
-  const RecoveryMotion motion = RecoveryMotion::retarget("rise_prone", koboshi, robot, {}, 1.0);
+  const std::vector<std::pair<std::string, double>> standing{{"left_knee", 40.0}, {"right_knee", 40.0}};
+  const RecoveryMotion motion = RecoveryMotion::retarget("rise_prone", koboshi, robot, standing, 1.0);
   EXPECT_TRUE(check.errors(motion).empty());
   const RecoveryMotion fast = motion.with_step_slower_by(1, 0.2);
   ASSERT_FALSE(check.errors(fast).empty());

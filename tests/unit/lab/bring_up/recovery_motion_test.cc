@@ -123,8 +123,9 @@ TEST_F(RecoveryMotionTest, KneesThatEndEarlyKeepTheDirectionOfTheLegAndTheLeanOf
   EXPECT_NEAR(angle_deg(other, "tuck", "left_knee"), 110.0, 0.1);
   EXPECT_NEAR(angle_deg(other, "tuck", "left_ankle_pitch"), -80.0 + 0.5 * cut_deg, 0.1);
   EXPECT_NEAR(angle_deg(other, "tuck", "left_hip_pitch"), -110.0 + 0.5 * cut_deg, 0.1);
+  EXPECT_NEAR(angle_deg(other, "stand", "left_knee"), 40.0, 0.1);
   for (const char* joint : {"left_hip_pitch", "left_knee", "left_ankle_pitch"})
-    EXPECT_NEAR(angle_deg(other, "stand", joint), angle_deg(own, "stand", joint), 0.1) << joint;
+    EXPECT_NEAR(angle_deg(other, "spread", joint), angle_deg(own, "spread", joint), 0.1) << joint;
 }
 
 TEST_F(RecoveryMotionTest, OverTheSideOneSidePushesAndTheRestIsTheRiseFromTheChest) {
