@@ -64,11 +64,11 @@ void add_bring_up_command(CLI::App& program, Invocation& invocation) {
       "ladder: loads, hangs,\n"
       "stands, shifts its weight, squats, steps on the spot, walks forward, sideways, and turns. Where the "
       "scaled values do\n"
-      "not carry the robot, a search tries others. Files go to the robot's folder at the end of each rung; "
-      "bring-up.md has\n"
-      "the figures. A second call continues after the last rung that was reached, and repeats those whose "
-      "inputs have\n"
-      "changed. Exit status 1 if a rung fails.\n\n"
+      "not carry the robot, a search tries others. After a rung that fails, those are tried that do not need "
+      "it. Files go to\n"
+      "the robot's folder at the end of each rung; bring-up.md has the figures. A second call repeats the "
+      "rungs that failed\n"
+      "and those whose inputs have changed. Exit status 1 if a rung fails.\n\n"
       "Example:\n"
       "  koboshi bring-up robots/kit\n");
   command->add_option("ROBOT", options.robot, "The robot's folder, file or name")->required();

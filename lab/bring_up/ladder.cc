@@ -18,9 +18,11 @@
 #include "firmware/motion/roles.h"
 #include "firmware/robot/leg.h"
 #include "lab/bring_up/recovery.h"
+#include "lab/bring_up/recovery_check.h"
 #include "lab/bring_up/recovery_motion.h"
 #include "lab/bring_up/robot_files.h"
 #include "lab/bring_up/rungs.h"
+#include "lab/bring_up/standing_pose.h"
 #include "lab/bring_up/start_values.h"
 #include "lab/bring_up/value_search.h"
 #include "lab/experiment/files.h"
@@ -70,10 +72,8 @@ class Climber {
     for (std::size_t i = 0; i < kRungs.size(); ++i) {
       rung_ = i;
       Rung rung{.name = kRungs[i].name, .figure = {}, .cause = {}};
-      const auto needed = result_.rungs.begin() + static_cast<std::ptrdiff_t>(std::min(i, kRungs[i].needs));
-      if (going &&
-          std::all_of(result_.rungs.begin(), needed, [](const Rung& below) { return below.is_passed(); }))
-        rung = climbed(rung);
+      rung.cause = going ? missing_for(kRungs[i]) : "after the last rung to try";
+      if (rung.cause.empty()) rung = climbed(rung);
       going = going && options_.until != kRungs[i].name;
       result_.rungs.push_back(std::move(rung));
     }
@@ -88,10 +88,8 @@ class Climber {
   struct Step {
     const char* name;
     Climb climb;
-    std::size_t needs = kAllBelow;  // number of the first rungs that must be passed
+    const char* needs;  // the rung that must be passed; empty: none
   };
-  static constexpr std::size_t kAllBelow = static_cast<std::size_t>(-1);
-  static constexpr std::size_t kUpToSquats = 5;
   static const std::array<Step, 12> kRungs;
 
  private:
@@ -133,6 +131,15 @@ class Climber {
   // Returns whether a file is made below a rung, which depends on it.
   static bool is_input_of(std::string_view rung, const fs::path& file) {
     return file != "go.yaml" && file.extension() != ".csv" && rung_of(rung) > made_at(file);
+  }
+
+  // Why a rung cannot be tried; empty if it can.
+  std::string missing_for(const Step& step) const {
+    if (*step.needs == '\0') return {};
+    const Rung& needed = result_.rungs[rung_of(step.needs)];
+    if (needed.is_passed()) return {};
+    return fmt::format("needs the rung \"{}\", which {}", needed.name,
+                       needed.result == Rung::Result::kFailed ? "failed" : "was not tried");
   }
 
   // The hash of what a rung depends on. The first one makes the files from the robot.
@@ -345,9 +352,7 @@ class Climber {
 
   Rung fall() {
     add_motions({"fall_front", "fall_back", "fall_left", "fall_right"});
-    Rung rung = lab::protect_falls(*current_, play_options());
-    if (rung.result == Rung::Result::kReached) rung.figure += notes_;
-    return rung;
+    return with_notes(lab::protect_falls(*current_, play_options()));
   }
   Rung rise_prone() { return rise("rise_prone", Lying::kProne); }
   Rung rise_supine() { return rise("rise_supine", Lying::kSupine); }
@@ -357,8 +362,10 @@ class Climber {
     add_motions({name, "roll_left", "roll_right"});
     Rung rung = lab::get_up(*current_, play_options(), lying);
     const fs::path file = fs::path("motions") / (std::string(name) + ".yaml");
-    const bool is_own = motions_.contains(name);
-    if (rung.result == Rung::Result::kFailed && is_own) {
+    const SearchEnd end(options_.candidates, end_);
+    if (motions_.contains(name) && !end.is_reached(0)) {
+      const std::vector<RecoveryMotion> starts = rise_starts(name, lying);
+      RecoveryCheck check(options_.robot);
       const RiseSearch search{.make =
                                   [&](const RecoveryMotion& motion) {
                                     RobotFiles files = current_->files();
@@ -372,20 +379,67 @@ class Climber {
                                   },
                               .lying = lying,
                               .play = play_options(),
+                              .check = check,
                               .progress = progress_};
-      const SearchEnd end(options_.candidates, end_);
-      const SearchedMotion found = search_rise(search, motions_.at(name), options_.candidates, end);
-      journal_.searched += found.candidates;
-      if (found.candidates > 0) current_->files()[std::string(name) + "-search.csv"] = csv_head() + found.log;
+      const SearchedMotion found = search_rise(search, starts, options_.candidates, end);
+      if (found.candidates > 1) {
+        journal_.searched += found.candidates;
+        current_->files()[std::string(name) + "-search.csv"] = csv_head() + found.log;
+      }
       if (found.motion) {
-        current_->files()[file] = found.motion->text(kOrigin);
-        rung = lab::get_up(*current_, play_options(), lying);
-        if (rung.result == Rung::Result::kReached)
-          rung.figure +=
-              fmt::format(", with a motion that was searched for ({} candidates)", found.candidates);
+        rung = with_found(*found.motion, found.candidates, lying, rung);
+        note_errors(motions_.at(name), check);
       }
     }
-    if (rung.result == Rung::Result::kReached) rung.figure += notes_;
+    return with_notes(std::move(rung));
+  }
+
+  // A rung with what is noted about its motions.
+  Rung with_notes(Rung rung) const {
+    const bool is_reached = rung.result == Rung::Result::kReached;
+    if (is_reached) rung.figure += notes_;
+    for (const auto& [name, error] : errors_) (is_reached ? rung.figure : rung.cause) += error;
+    return rung;
+  }
+
+  // Notes the first error that the check finds in a motion that has been mended.
+  void note_errors(const RecoveryMotion& motion, RecoveryCheck& check) {
+    errors_.erase(motion.name());
+    const std::vector<std::string> errors = check.errors(motion);
+    if (!errors.empty())
+      errors_[motion.name()] =
+          fmt::format("; the check of {} finds {} errors: {}", motion.name(), errors.size(), errors.front());
+  }
+
+  // The motions with which a search for getting up begins.
+  std::vector<RecoveryMotion> rise_starts(const char* name, Lying lying) const {
+    // Where hands throw the trunk over the feet, a larger robot may need it faster than by its scaled times.
+    constexpr double kFaster = 0.75;
+    std::vector<RecoveryMotion> starts{motions_.at(name), motions_.at(name).with_times(kFaster)};
+    if (lying == Lying::kProne) return starts;
+    try {
+      const StandingPose pose = standing_pose(current_->values(), *model_, kOrigin);
+      starts.push_back(RecoveryMotion::over_the_side(
+          RecoveryMotion::retarget("rise_prone", options_.robot, robot_, pose.joints_deg, 1.0)));
+    } catch (const InputError&) {  // a motion of the user's own with other steps, say
+    }
+    return starts;
+  }
+
+  // Takes a motion that a search has found, unless the robots stood up by the one before and do not by this.
+  Rung with_found(const RecoveryMotion& motion, std::size_t candidates, Lying lying, const Rung& before) {
+    const fs::path file = fs::path("motions") / (motion.name() + ".yaml");
+    std::string& text = current_->files().at(file);
+    const std::string kept = text;
+    text = motion.text(kOrigin);
+    Rung rung = lab::get_up(*current_, play_options(), lying);
+    if (rung.result != Rung::Result::kReached && before.result == Rung::Result::kReached) {
+      text = kept;
+      return before;
+    }
+    motions_.insert_or_assign(motion.name(), motion);
+    if (rung.result == Rung::Result::kReached)
+      rung.figure += fmt::format(", with a motion that was searched for ({} candidates)", candidates);
     return rung;
   }
 
@@ -394,6 +448,8 @@ class Climber {
   // Adds motions that the reference robot has to the files, unless the robot has its own.
   void add_motions(const std::vector<std::string>& names) {
     notes_.clear();
+    errors_.clear();
+    RecoveryCheck check(options_.robot);
     const StandingPose pose = standing_pose(current_->values(), *model_, kOrigin);
     for (const std::string& name : names) {
       const fs::path file = fs::path("motions") / (name + ".yaml");
@@ -402,12 +458,13 @@ class Climber {
         continue;
       }
       if (current_->files().contains(file) && name.starts_with("roll_")) continue;
-      RecoveryMotion motion = RecoveryMotion::retarget(name, options_.reference, robot_, pose.joints_deg,
-                                                       current_->values().time_scale);
+      RecoveryMotion motion = check.mended(RecoveryMotion::retarget(
+          name, options_.reference, robot_, pose.joints_deg, current_->values().time_scale));
       current_->files()[file] = motion.text(kOrigin);
       for (const std::string& note : motion.notes()) {
         if (notes_.find(note) == std::string::npos) notes_ += "; " + note;
       }
+      note_errors(motion, check);
       motions_.insert_or_assign(name, std::move(motion));
     }
   }
@@ -441,27 +498,30 @@ class Climber {
     result_.rungs = kept.rungs;
   }
 
-  // Whether the rungs below the present one carry a robot. `measured` receives what they are.
-  bool lower_rungs(const TriedRobot& robot, std::vector<Rung>* measured = nullptr) const {
+  // Plays a rung between the first one and the turns, without a search.
+  WalkRung measure_rung(std::size_t rung, const TriedRobot& robot) const {
     using Measure = Rung (*)(const TriedRobot&, const PlayOptions&);
     constexpr std::array<Measure, 5> kMeasures{lab::hang, lab::stand, lab::shift_weight, lab::squat,
                                                lab::march};
-    const PlayOptions play = play_options();
-    for (std::size_t i = 0; i < kMeasures.size() && i + 1 < rung_; ++i) {
-      Rung rung = kMeasures[i](robot, play);
-      if (!rung.is_passed()) return false;
+    if (rung <= kMeasures.size()) return {.rung = kMeasures[rung - 1](robot, play_options()), .speed = {}};
+    return fastest(robot, play_options(),
+                   rung == rung_of("walks forward") ? forward_walk() : sideways_walk());
+  }
+
+  // Returns whether a robot reaches the rungs below the present one that have been passed. `measured`
+  // receives all of them, from the second one on, with those that failed and may now be reached.
+  bool lower_rungs(const TriedRobot& robot, std::vector<WalkRung>* measured = nullptr) const {
+    for (std::size_t i = 1; i < rung_; ++i) {
+      const bool was_passed = result_.rungs[i].is_passed();
+      const bool is_forward = i == rung_of("walks forward");
+      if (is_forward && was_passed &&
+          !walks_at(robot, play_options(), forward_walk(), *journal_.walked_m_per_s))
+        return false;
+      if (measured == nullptr && (is_forward || !was_passed)) continue;
+      WalkRung rung = measure_rung(i, robot);
+      if (was_passed && !rung.rung.is_passed()) return false;
       if (measured != nullptr) measured->push_back(std::move(rung));
     }
-    if (rung_ <= rung_of("walks forward")) return true;
-    if (!walks_at(robot, play, forward_walk(), *journal_.walked_m_per_s)) return false;
-    if (measured != nullptr) {
-      measured->push_back(fastest(robot, play, forward_walk()).rung);
-      if (measured->back().result != Rung::Result::kReached) return false;
-    }
-    if (rung_ <= rung_of("walks sideways")) return true;
-    Rung sideways = fastest(robot, play, sideways_walk()).rung;
-    if (sideways.result != Rung::Result::kReached) return false;
-    if (measured != nullptr) measured->push_back(std::move(sideways));
     return true;
   }
 
@@ -480,15 +540,17 @@ class Climber {
                                                SearchEnd(options_.candidates, end_), journal_.searched);
     journal_.searched += found.candidates;
     if (!found.robot) return false;
-    std::vector<Rung> measured;
+    std::vector<WalkRung> measured;
     if (!lower_rungs(*found.robot, &measured)) return false;
     current_ = found.robot;
     journal_.factors = found.factors;
     for (std::size_t i = 0; i < measured.size(); ++i) {
       const char* name = kRungs[i + 1].name;
-      measured[i].name = name;
-      journal_.entries[i + 1] = {measured[i], inputs_of(name)};
-      result_.rungs[i + 1] = measured[i];
+      Rung& rung = measured[i].rung;
+      rung.name = name;
+      journal_.entries[i + 1] = {rung, inputs_of(name)};
+      result_.rungs[i + 1] = rung;
+      if (i + 1 == rung_of("walks forward")) journal_.walked_m_per_s = measured[i].speed;
     }
     return true;
   }
@@ -501,9 +563,14 @@ class Climber {
         options_.first_seed + options_.seeds - 1, options_.world, options_.stepper);
     for (const Step& step : kRungs) {
       const JournalEntry* entry = journal_.find(step.name);
-      const Rung::Result result = entry == nullptr ? Rung::Result::kNotTried : entry->rung.result;
-      text += fmt::format("| {} | {} | {} |\n", step.name, mark_of(result),
-                          entry == nullptr ? std::string() : entry->rung.text());
+      const auto skipped = std::ranges::find(result_.rungs, step.name, &Rung::name);
+      Rung rung{.name = step.name, .figure = {}, .cause = {}};
+      if (entry != nullptr) {
+        rung = entry->rung;
+      } else if (skipped != result_.rungs.end()) {
+        rung = *skipped;
+      }
+      text += fmt::format("| {} | {} | {} |\n", step.name, mark_of(rung.result), rung.text());
     }
     text += fmt::format("\nThe start values are scaled from {}", reference_.robot.text);
     if (journal_.searched > 0)
@@ -529,22 +596,23 @@ class Climber {
   std::shared_ptr<TriedRobot> current_;
   std::map<std::string, RecoveryMotion> motions_;  // for recovery, by name, before a search
   std::string notes_;                              // about those of the present rung, each after "; "
+  std::map<std::string, std::string> errors_;      // that the check finds in them, by motion, as `notes_`
   BringUpResult result_;
 };
 
 const std::array<Climber::Step, 12> Climber::kRungs{
-    {{"loads", &Climber::load},
-     {"hangs", &Climber::hang},
-     {"stands", &Climber::stand},
-     {"shifts its weight", &Climber::shift},
-     {"squats", &Climber::squat},
-     {"steps on the spot", &Climber::march},
-     {"walks forward", &Climber::walk},
-     {"walks sideways", &Climber::sidestep},
-     {"turns", &Climber::turn},
-     {"falls protected", &Climber::fall, kUpToSquats},
-     {"gets up from the front", &Climber::rise_prone, kUpToSquats},
-     {"gets up from the back", &Climber::rise_supine, kUpToSquats}}};
+    {{"loads", &Climber::load, ""},
+     {"hangs", &Climber::hang, "loads"},
+     {"stands", &Climber::stand, "hangs"},
+     {"shifts its weight", &Climber::shift, "stands"},
+     {"squats", &Climber::squat, "stands"},
+     {"steps on the spot", &Climber::march, "stands"},
+     {"walks forward", &Climber::walk, "stands"},
+     {"walks sideways", &Climber::sidestep, "stands"},
+     {"turns", &Climber::turn, "stands"},
+     {"falls protected", &Climber::fall, "stands"},
+     {"gets up from the front", &Climber::rise_prone, "stands"},
+     {"gets up from the back", &Climber::rise_supine, "stands"}}};
 
 }  // namespace
 

@@ -43,10 +43,11 @@ struct BringUpResult {
 //
 // Where the scaled start values do not carry the robot, a search changes CoM height, step time, the gains of
 // the feedback and the lean of the trunk. It has seeds of its own, and scores a candidate by the worse of the
-// engines `lumped` and `mujoco`. A candidate is taken only if its score is higher and all lower rungs carry
-// it; their figures are then measured again.
+// engines `lumped` and `mujoco`. A candidate is taken only if its score is higher and it reaches all lower
+// rungs that were passed; their figures are then measured again.
 //
-// `progress` receives a line for each step. The rungs above a failed one are not tried. Throws InputError for
+// `progress` receives a line for each step. A rung that fails ends the ladder only for the rungs that need it:
+// all need a robot that stands, which needs one that hangs, which needs one that loads. Throws InputError for
 // files that cannot be read, for files of the same names that it has not written or that have been changed
 // since; Stopped; std::system_error.
 [[nodiscard]] BringUpResult bring_up(const BringUpOptions& options,

@@ -107,14 +107,16 @@ double mean_impact_m_per_s(const std::vector<Fall>& falls) {
 constexpr double kGetUpAt_s = 3.0;
 constexpr double kPatience_s = 30.0;      // for all attempts
 constexpr double kFirstAttempt_s = 10.0;  // of a search
+constexpr double kNearlyUpright = 0.85;   // GettingUp::uprightness()
 constexpr std::uint64_t kRiseSeed = 910'000;
 constexpr std::size_t kRiseRobots = 2;
+constexpr std::size_t kFurtherRobots = 10;  // played where all of those stand
 
 struct Rise {
   std::optional<double> stood_s;
   int attempts = 0;
-  double uprightness = 0.0;       // at the end
   double best_uprightness = 0.0;  // at any time
+  double up_s = 0.0;              // time during which it was nearly upright
   State state = State::kBoot;
   std::string reason;
 };
@@ -133,6 +135,7 @@ Rise play_rise(const std::shared_ptr<const simulation::PreparedScenario>& prepar
       world.step(10);
       stands = getting_up.observe(world.recorder().truth(), world.now_us());
       rise.best_uprightness = std::max(rise.best_uprightness, getting_up.uprightness());
+      if (getting_up.uprightness() > kNearlyUpright) rise.up_s += 0.01;  // a tick
       rise.state = world.recorder().telemetry().state;
       if (rise.state == State::kRighting && last == State::kFallen) ++rise.attempts;
       last = rise.state;
@@ -143,7 +146,6 @@ Rise play_rise(const std::shared_ptr<const simulation::PreparedScenario>& prepar
     rise.reason = one_line(error.what());
     return rise;
   }
-  rise.uprightness = getting_up.uprightness();
   rise.reason = simulation::name_of(world.recorder().telemetry().reason);
   return rise;
 }
@@ -167,91 +169,159 @@ std::size_t standing(const std::vector<Rise>& rises) {
       std::ranges::count_if(rises, [](const Rise& rise) { return rise.stood_s.has_value(); }));
 }
 
-// 1 to 2 for a robot that stands, more the sooner; below that by how far it came.
+// 1 to 2 for a robot that stands, more the sooner; below that by how far it came, and for how long it stayed
+// there: most fall again, and how they then lie says nothing.
 double score_of(const std::vector<Rise>& rises) {
+  constexpr double kStays_s = 2.0;
   double sum = 0.0;
   for (const Rise& rise : rises)
     sum += rise.stood_s ? 1.0 + 1.0 / (1.0 + *rise.stood_s / 4.0)
-                        : 0.5 * (rise.best_uprightness + rise.uprightness);
+                        : 0.6 * rise.best_uprightness + 0.4 * std::min(1.0, rise.up_s / kStays_s);
   return sum / static_cast<double>(rises.size());
 }
 
 class RiseOptimisation {
  public:
-  RiseOptimisation(const RiseSearch& search, const RecoveryMotion& start, const SearchEnd& end)
-      : search_(search), start_(start), variables_(start.variables()), end_(end) {
-    result_.log = "candidate";
-    for (const std::string& engine : search_engines()) result_.log += "," + engine;
-    for (const RecoveryMotion::Variable& variable : variables_)
-      result_.log += fmt::format(",{}_{}", variable.role.empty() ? "time" : variable.role, variable.pose);
-    result_.log += "\n";
-  }
+  RiseOptimisation(const RiseSearch& search, const SearchEnd& end) : search_(search), end_(end) {}
 
-  SearchedMotion run(std::optional<std::size_t> candidates) {
-    if (variables_.empty() || end_.is_reached(0)) return std::move(result_);
-    const std::vector<double> middle(variables_.size(), 0.5);
+  SearchedMotion run(const std::vector<RecoveryMotion>& starts, std::optional<std::size_t> candidates) {
     try {
-      static_cast<void>(minimise([this](const std::vector<double>& x) { return -score(x); }, middle,
-                                 {.evaluations = candidates.value_or(kMostCandidates),
-                                  .population = kPopulation,
-                                  .spread = 0.15,
-                                  .seed = 1}));
+      const RecoveryMotion* best = nullptr;
+      double best_score = -std::numeric_limits<double>::infinity();
+      for (const RecoveryMotion& start : starts) {
+        const double value = score(start, {});
+        if (value <= best_score) continue;
+        best = &start;
+        best_score = value;
+      }
+      if (best != nullptr) improve(*best, best_score, candidates);
     } catch (const Ended&) {
     }
+    std::string head = "candidate";
+    for (const std::string& engine : search_engines()) head += "," + engine;
+    head += ",share,errors";
+    for (const RecoveryMotion::Variable& variable : variables_)
+      head += fmt::format(",{}_{}", variable.role.empty() ? "time" : variable.role, variable.pose);
+    result_.log = head + "\n" + result_.log;
     return std::move(result_);
   }
 
  private:
   class Ended {};  // leaves the optimiser
   static constexpr std::size_t kPopulation = 12;
-  static constexpr std::size_t kMostCandidates = 2'000;
+  static constexpr std::size_t kMostCandidates = 5'000;
+  static constexpr std::size_t kShowEvery = 20;
 
-  double score(const std::vector<double>& x) {
-    if (end_.is_reached(result_.candidates)) throw Ended();
-    ++result_.candidates;
-    const RecoveryMotion motion = start_.with(variables_, x);
-    double worst = std::numeric_limits<double>::infinity();
-    bool is_enough = true;
-    result_.log += std::to_string(result_.candidates);
-    try {
-      const TriedRobot robot = search_.make(motion);
-      PlayOptions play = search_.play;
-      play.first_seed = kRiseSeed;
-      play.seeds = kRiseRobots;
-      for (const std::string& engine : search_engines()) {
-        play.stepper = engine;
-        const std::vector<Rise> rises = play_rises(robot, play, search_.lying, 1, kFirstAttempt_s);
-        const double value = score_of(rises);
-        worst = std::min(worst, value);
-        is_enough = is_enough && standing(rises) == rises.size();
-        result_.log += fmt::format(",{:.4f}", value);
-      }
-      // More robots than those of the search, which the optimiser knows by heart.
-      is_enough = is_enough && search_.is_enough(robot);
-    } catch (const InputError&) {  // of the compiler: a move that is too fast, say
-      worst = -1.0;
-      is_enough = false;
-      for (std::size_t i = 0; i < search_engines().size(); ++i) result_.log += ",";
-    }
-    for (const double value : x) result_.log += fmt::format(",{:.4f}", value);
-    result_.log += "\n";
-    if (result_.candidates == 1) {
-      best_ = worst;
-    } else if (worst > best_ || is_enough) {
-      best_ = worst;
-      result_.motion = motion;
-      search_.progress(fmt::format("candidate {}: {} rises with score {:.2f}",
-                                   end_.count_text(result_.candidates), start_.name(), best_));
-    }
-    if (is_enough && result_.motion) throw Ended();
-    return worst;
+  void improve(const RecoveryMotion& start, double start_score, std::optional<std::size_t> candidates) {
+    variables_ = start.variables();
+    if (variables_.empty()) return;
+    const std::size_t known = result_.candidates;
+    const std::vector<double> middle(variables_.size(), 0.5);
+    const std::size_t most = candidates.value_or(kMostCandidates);
+    if (most <= known) return;
+    static_cast<void>(minimise(
+        [&](const std::vector<double>& x) {
+          return -(x == middle ? start_score : score(start.with(variables_, x), x));
+        },
+        middle, {.evaluations = most - known + 1, .population = kPopulation, .spread = 0.15, .seed = 1}));
   }
 
+  // How the robots of a candidate rise.
+  struct Rises {
+    std::vector<std::optional<double>> scores;  // by engine; nothing: not played
+    double worst = std::numeric_limits<double>::infinity();
+    double share = 0.0;  // of the further robots that stand, in the engine in which fewest do
+  };
+
+  Rises play(const TriedRobot& robot) const {
+    Rises rises;
+    bool all_stand = true;
+    PlayOptions play = search_.play;
+    play.first_seed = kRiseSeed;
+    play.seeds = kRiseRobots;
+    for (const std::string& engine : search_engines()) {
+      // An engine that likes a candidate much less than the best one has decided.
+      if (rises.worst < best_of_search_ - kHopeless) {
+        rises.scores.emplace_back();
+        all_stand = false;
+        continue;
+      }
+      play.stepper = engine;
+      const std::vector<Rise> played = play_rises(robot, play, search_.lying, 1, kFirstAttempt_s);
+      rises.scores.emplace_back(score_of(played));
+      rises.worst = std::min(rises.worst, *rises.scores.back());
+      all_stand = all_stand && standing(played) == played.size();
+    }
+    if (!all_stand) return rises;
+    constexpr double kFew = 0.5;  // another engine is not asked
+    rises.share = 1.0;
+    play.first_seed = kRiseSeed + kRiseRobots;
+    play.seeds = kFurtherRobots;
+    for (const std::string& engine : search_engines()) {
+      if (rises.share < kFew) break;
+      play.stepper = engine;
+      const std::vector<Rise> played = play_rises(robot, play, search_.lying, 1, kFirstAttempt_s);
+      rises.share =
+          std::min(rises.share, static_cast<double>(standing(played)) / static_cast<double>(played.size()));
+    }
+    rises.worst += kShareCounts * rises.share;
+    return rises;
+  }
+
+  double score(const RecoveryMotion& candidate, const std::vector<double>& x) {
+    if (end_.is_reached(result_.candidates)) throw Ended();
+    ++result_.candidates;
+    double value = kRefused;
+    bool is_enough = false;
+    std::optional<RecoveryMotion> motion;
+    Rises rises{.scores = std::vector<std::optional<double>>(search_engines().size())};
+    std::size_t errors = 0;
+    try {
+      motion = search_.check.mended(candidate);
+      errors = search_.check.errors(*motion).size();
+      const TriedRobot robot = search_.make(*motion);
+      rises = play(robot);
+      best_of_search_ = std::max(best_of_search_, rises.worst - kShareCounts * rises.share);
+      value = rises.worst - kErrorCosts * static_cast<double>(std::min<std::size_t>(errors, 5));
+      is_enough = rises.share >= kEnough && errors == 0 && search_.is_enough(robot);
+    } catch (const InputError&) {  // of the compiler: a move that is too fast, say
+    }
+    log(rises, errors, x);
+    if (result_.candidates % kShowEvery == 0)
+      search_.progress(
+          fmt::format("candidate {}, best score {:.2f}", end_.count_text(result_.candidates), best_));
+    if (result_.candidates == 1) {
+      best_ = value;
+    } else if (motion && (value > best_ || is_enough)) {
+      best_ = value;
+      result_.motion = motion;
+      search_.progress(fmt::format("candidate {}: {} rises with score {:.2f}",
+                                   end_.count_text(result_.candidates), motion->name(), best_));
+    }
+    if (is_enough) throw Ended();
+    return value;
+  }
+
+  void log(const Rises& rises, std::size_t errors, const std::vector<double>& x) {
+    result_.log += std::to_string(result_.candidates);
+    for (const std::optional<double>& score : rises.scores)
+      result_.log += score ? fmt::format(",{:.4f}", *score) : ",";
+    result_.log += fmt::format(",{:.2f},{}", rises.share, errors);
+    for (const double value : x) result_.log += fmt::format(",{:.4f}", value);
+    result_.log += "\n";
+  }
+
+  static constexpr double kRefused = -1.0;     // score of a motion that does not compile
+  static constexpr double kHopeless = 0.15;    // below the best score, in one engine
+  static constexpr double kShareCounts = 2.0;  // more than standing soon
+  static constexpr double kErrorCosts = 0.1;
+  static constexpr double kEnough = 0.95;  // with 0.9, 6 of 10 other robots stood (Sigmaban)
+
   const RiseSearch& search_;
-  const RecoveryMotion& start_;
-  const std::vector<RecoveryMotion::Variable> variables_;
   const SearchEnd& end_;
+  std::vector<RecoveryMotion::Variable> variables_;
   double best_ = 0.0;
+  double best_of_search_ = -1.0;  // of the robots of the search alone
   SearchedMotion result_;
 };
 
@@ -320,9 +390,9 @@ Rung get_up(const TriedRobot& robot, const PlayOptions& options, Lying lying) {
       .cause = {}};
 }
 
-SearchedMotion search_rise(const RiseSearch& search, const RecoveryMotion& start,
+SearchedMotion search_rise(const RiseSearch& search, const std::vector<RecoveryMotion>& starts,
                            std::optional<std::size_t> candidates, const SearchEnd& end) {
-  return RiseOptimisation(search, start, end).run(candidates);
+  return RiseOptimisation(search, end).run(starts, candidates);
 }
 
 }  // namespace koboshi::lab

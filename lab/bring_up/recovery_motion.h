@@ -24,7 +24,7 @@ class RecoveryMotion {
     std::optional<std::size_t> pose{};  // of a move or a wait; nothing: what `text` says
     double time_s = 0.0;
     bool at_least = false;  // the servos may need longer, from wherever the robot is
-    std::string text{};  // an expected attitude, as the motion file has it
+    std::string text{};     // an expected attitude, as the motion file has it
   };
 
   // A variable of a search: the angles of a role on both sides in a pose, or the time of a step.
@@ -35,7 +35,8 @@ class RecoveryMotion {
   };
 
   // Gives the motion `name` of the robot `from` to the robot `to`: the angles of joints with the same role,
-  // within their limits, and times by `time_scale`, but no shorter than the servos need. A pose named
+  // within their limits, and times by `time_scale`, but no shorter than the servos need. Where a knee does
+  // not bend as far, hip and ankle keep the direction of the leg and the lean of the trunk. A pose named
   // `stand` becomes `standing_deg`. Joints that `to` does not have are dropped and noted. Throws InputError
   // if `from` has no such motion, if it has a step that this class does not know, and as retarget_joints()
   // does.
@@ -43,6 +44,10 @@ class RecoveryMotion {
                                  const sim_board::RobotDescription& to,
                                  std::span<const std::pair<std::string, double>> standing_deg,
                                  double time_scale);
+
+  // A motion for rising from the back: right arm and leg push their side up until the robot rolls onto its
+  // chest, from which it rises as by `rise_prone`. It needs neither knees that bend far nor long arms.
+  static RecoveryMotion over_the_side(const RecoveryMotion& rise_prone);
 
   // Returns the variables of a search: hips, knees, ankles, shoulders and elbows of the poses after the first
   // attitude that is expected, but for the last pose, and the times of these moves.
@@ -52,6 +57,18 @@ class RecoveryMotion {
   // The motion file; `origin` stands in its first line.
   [[nodiscard]] std::string text(const std::string& origin) const;
 
+  // The motion with the rolls of hips and ankles multiplied, in the poses in which the legs are not spread;
+  // the last pose stays. Feet below folded legs touch by them.
+  [[nodiscard]] RecoveryMotion with_rolls(double factor) const;
+  // The motion with hips that flex by this many degrees less where they flex most; the last pose stays.
+  [[nodiscard]] RecoveryMotion with_less_flexion(double by_deg) const;
+  // The motion with all times multiplied, but no shorter than the servos need.
+  [[nodiscard]] RecoveryMotion with_times(double factor) const;
+  // The motion with another time of a step.
+  [[nodiscard]] RecoveryMotion with_step_slower_by(std::size_t step, double factor) const;
+  // The step on a line of text(), if there is one.
+  [[nodiscard]] std::optional<std::size_t> step_of_line(int line) const;
+
   const std::string& name() const { return name_; }
   const std::vector<std::string>& notes() const { return notes_; }
 
@@ -60,6 +77,8 @@ class RecoveryMotion {
       : name_(std::move(name)), robot_(&robot) {}
 
   double clamped_deg(std::size_t joint, double angle_deg) const;
+  // Clamps all angles; `thigh_share` is the length of the thigh as a share of that of the shank.
+  void fit_legs(double thigh_share);
   // Gives each move the time that the servos need for it.
   void slow_down();
 
@@ -68,6 +87,7 @@ class RecoveryMotion {
   std::vector<Pose> poses_;
   std::vector<Step> steps_;
   std::vector<std::string> notes_;
+  std::string how_ = "from that of the reference robot by the roles of the joints";  // it was made
 };
 
 }  // namespace koboshi::lab

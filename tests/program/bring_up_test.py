@@ -39,10 +39,10 @@ class BringUp(unittest.TestCase):
         shutil.copytree(sizes.ROBOT / "meshes", robot / "meshes")
         return robot
 
-    def change(self, robot, element, factor):
+    def change(self, robot, name, factor, scaled=sizes.scaled_elements):
         file = robot / "robot.sdf"
         text = file.read_text()
-        changed = sizes.scaled_elements(text, element, factor)
+        changed = scaled(text, name, factor)
         self.assertNotEqual(changed, text)
         file.write_text(changed)
 
@@ -108,15 +108,26 @@ class BringUp(unittest.TestCase):
         self.assertEqual(continued.returncode, 0, continued.stderr)
         self.assertEqual(continued.stderr.count("as before"), 2)
 
-    def test_keeps_the_motions_of_an_earlier_call(self):
+    def test_a_rung_that_fails_ends_the_ladder_for_no_rung_that_does_not_need_it(self):
+        """Windings that bear nearly nothing fail the squats alone; the motions of an earlier call are kept."""
+        self.change(self.robot, "thermal_resistance_K_per_W", 100.0, sizes.scaled_attribute)
         first = self.climb("--until", "gets up from the front")
-        self.assertRegex(first.stdout, r"(?m)^falls protected +yes ")
-        self.assertRegex(first.stdout, r"(?m)^gets up from the front +yes ")
+        self.assertEqual(first.returncode, 1, first.stdout + first.stderr)
+        self.assertRegex(first.stdout, r"(?m)^squats +NO +\w+ needs [0-9]+ % of its stall torque in the mean ")
+        for rung in ("shifts its weight", "steps on the spot", "walks forward", "falls protected", "gets up from the front"):
+            self.assertRegex(first.stdout, rf"(?m)^{rung} +yes ")
+        self.assertRegex(first.stdout, r"(?m)^gets up from the back +- +after the last rung to try$")
+        page = (self.robot / "bring-up.md").read_text()
+        self.assertRegex(page, r"(?m)^\| squats \| NO \| \w+ needs [0-9]+ % ")
+        self.assertIn("| gets up from the back | - | after the last rung to try |", page)
         self.assertIn("fall_front", (self.robot / "go.yaml").read_text())
         before = contents(self.robot)
         again = self.climb("--until", "gets up from the front")
         self.assertEqual(again.stdout, first.stdout)
+        self.assertEqual(again.returncode, 1, again.stderr)
         self.assertEqual(contents(self.robot), before)
+        self.assertNotIn("squats: as before", again.stderr)
+        self.assertIn("steps on the spot: as before", again.stderr)
         with self.subTest("a motion of the user's own is played, and only the rungs that play it"):
             own = self.robot / "motions/rise_prone.yaml"
             own.write_text(own.read_text().split("\n", 1)[1])

@@ -167,6 +167,7 @@ class Judge {
           fmt::format("{} and {} overlapping by {:.1f} mm", link_name(links.first), link_name(links.second),
                       at.value * kMmPerM),
           "links apart from each other");
+      report_.findings.back().links = {links.first, links.second};
     }
   }
 

@@ -25,7 +25,8 @@ struct Finding {
   std::string found{};
   std::string expected{};
   std::string hint{};
-  std::string path{};  // Trajectory::path
+  std::string path{};                  // Trajectory::path
+  std::vector<std::uint16_t> links{};  // that overlap, of C005
 };
 
 enum class Balance : std::uint8_t { kNotJudged, kStable, kClose, kUnstable };

@@ -107,5 +107,50 @@ TEST_F(RecoveryMotionTest, DropsAndNamesJointsThatTheRobotLacks) {
   EXPECT_EQ(motion.text("Origin").find("head_tilt"), std::string::npos);
 }
 
+// The legs of the reference have equal thighs and shanks, so that half of the knee's angle is that between
+// shank and leg.
+TEST_F(RecoveryMotionTest, KneesThatEndEarlyKeepTheDirectionOfTheLegAndTheLeanOfTheTrunk) {
+  const auto angle_deg = [&](const simulation::MotionSource& motion, const char* pose, const char* joint) {
+    const auto found = std::ranges::find(motion.poses, pose, &simulation::PoseSource::name);
+    const auto& angle = found->angles[static_cast<std::size_t>(*robot_.find_joint(joint))];
+    return angle->raw() * 360.0 / 4294967296.0;
+  };
+  const simulation::MotionSource own = parsed(retargeted("rise_prone").text("Origin"));
+  for (sim_board::JointDescription& joint : robot_.joints)
+    if (joint.name.ends_with("_knee")) joint.upper_rad = 110.0 / 57.29577951308232;
+  const simulation::MotionSource other = parsed(retargeted("rise_prone").text("Origin"));
+  const double cut_deg = 10.0;  // of the 120 degrees of `tuck`
+  EXPECT_NEAR(angle_deg(other, "tuck", "left_knee"), 110.0, 0.1);
+  EXPECT_NEAR(angle_deg(other, "tuck", "left_ankle_pitch"), -80.0 + 0.5 * cut_deg, 0.1);
+  EXPECT_NEAR(angle_deg(other, "tuck", "left_hip_pitch"), -110.0 + 0.5 * cut_deg, 0.1);
+  EXPECT_NEAR(angle_deg(other, "stand", "left_knee"), 40.0, 0.1);
+  for (const char* joint : {"left_hip_pitch", "left_knee", "left_ankle_pitch"})
+    EXPECT_NEAR(angle_deg(other, "spread", joint), angle_deg(own, "spread", joint), 0.1) << joint;
+}
+
+TEST_F(RecoveryMotionTest, OverTheSideOneSidePushesAndTheRestIsTheRiseFromTheChest) {
+  const RecoveryMotion prone = retargeted("rise_prone");
+  const simulation::MotionSource chest = parsed(prone.text("Origin"));
+  const simulation::MotionSource side = parsed(RecoveryMotion::over_the_side(prone).text("Origin"));
+  EXPECT_EQ(side.name, "rise_supine");
+  ASSERT_EQ(side.steps.size(), chest.steps.size() + 5);
+  EXPECT_LT(side.steps[1].attitude.up_B[0] * chest.steps[2].attitude.up_B[0], 0);  // back and chest
+  for (std::size_t i = 0; i < chest.steps.size(); ++i)
+    EXPECT_EQ(side.steps[i + 5].kind, chest.steps[i].kind) << i;
+  const simulation::PoseSource& push = side.poses[side.steps[2].pose];
+  for (std::size_t joint = 0; joint < push.angles.size(); ++joint)
+    EXPECT_EQ(push.angles[joint].has_value(), robot_.joints[joint].name == "right_shoulder_pitch" ||
+                                                  robot_.joints[joint].name == "right_hip_pitch");
+}
+
+TEST_F(RecoveryMotionTest, FindsTheStepOfALine) {
+  const RecoveryMotion motion = retargeted("rise_prone");
+  const simulation::MotionSource source = parsed(motion.text("Origin"));
+  for (std::size_t i = 0; i < source.steps.size(); ++i)
+    EXPECT_EQ(motion.step_of_line(source.steps[i].place.line), i);
+  EXPECT_FALSE(motion.step_of_line(3));
+  EXPECT_FALSE(motion.step_of_line(source.steps.back().place.line + 1));
+}
+
 }  // namespace
 }  // namespace koboshi::lab

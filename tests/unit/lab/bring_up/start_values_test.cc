@@ -6,6 +6,7 @@
 
 #include "base/text/error.h"
 #include "base/text/user_units.h"
+#include "lab/bring_up/standing_pose.h"
 #include "sim_board/description/load.h"
 #include "simulation/scenario/reader.h"
 
