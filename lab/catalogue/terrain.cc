@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 
 #include "base/text/error.h"
 #include "base/text/text.h"
@@ -16,40 +17,42 @@ namespace {
 
 constexpr double kTerrainPatience = 2.0;  // times the distance over the command
 
-// A kind of ground, and the override of a scenario that makes it at a level other than 0, which is a floor.
+// A kind of ground, and the overrides of a scenario that make it at a level other than 0, which is a floor.
 struct Kind {
   std::string name;
   std::string unit;
   std::vector<double> levels;
-  std::function<Override(double level)> ground;
+  std::function<std::vector<Override>(double level)> ground;
 };
 
 // A mat across the path, to step up to and down from.
-Override mat(double height_mm) {
-  return {"ground.shapes",
-          fmt::format("[{{box: {{position_m: [0.7, 0], size_m: [0.6, 3, {}]}}}}]", 1e-3 * height_mm)};
+std::vector<Override> mat(double height_mm) {
+  return {{"ground.shapes",
+           fmt::format("[{{box: {{position_m: [0.7, 0], size_m: [0.6, 3, {}]}}}}]", 1e-3 * height_mm)}};
 }
 
-Override tilted(double roll_deg, double pitch_deg) {
-  return {"ground.tilt_deg", fmt::format("[{}, {}]", roll_deg, pitch_deg)};
+// The robot is put down with its soles flat on the slope.
+std::vector<Override> tilted(double roll_deg, double pitch_deg) {
+  return {{"ground.tilt_deg", fmt::format("[{}, {}]", roll_deg, pitch_deg)},
+          {"initial.attitude_deg", fmt::format("{{roll: {}, pitch: {}}}", roll_deg, pitch_deg)}};
 }
 
 // Strips across the path, half as long again as a foot.
-Override slippery_patches(double slipperiness) {
+std::vector<Override> slippery_patches(double slipperiness) {
   std::string shapes;
   for (const double x_m : {0.3, 0.6, 0.9, 1.2}) {
     shapes += fmt::format("{}{{patch: {{position_m: [{}, 0], size_m: [0.15, 3], friction: {:.2f}}}}}",
                           shapes.empty() ? "" : ", ", x_m, 1.0 - slipperiness);
   }
-  return {"ground.shapes", "[" + shapes + "]"};
+  return {{"ground.shapes", "[" + shapes + "]"}};
 }
 
-Override bumps(double height_mm) {
+std::vector<Override> bumps(double height_mm) {
   return {
-      "ground.shapes",
-      fmt::format(
-          "[{{height_field: {{position_m: [1.0, 0], size_m: [1.6, 2], height_m: {}, wavelength_m: 0.1}}}}]",
-          1e-3 * height_mm)};
+      {"ground.shapes",
+       fmt::format(
+           "[{{height_field: {{position_m: [1.0, 0], size_m: [1.6, 2], height_m: {}, wavelength_m: 0.1}}}}]",
+           1e-3 * height_mm)}};
 }
 
 const std::vector<Kind>& grounds() {
@@ -130,7 +133,7 @@ Experiment make_terrain(const TerrainOptions& options) {
     ladders.push_back({.name = kind.name, .unit = kind.unit, .cells = {}});
     for (const double level : options.levels.empty() ? kind.levels : options.levels) {
       std::vector<Override> overrides = options.overrides;
-      if (level > 0.0) overrides.push_back(kind.ground(level));
+      if (level > 0.0) std::ranges::copy(kind.ground(level), std::back_inserter(overrides));
       ladders.back().cells.push_back(starts.size());
       starts.push_back(read_standing_start(options, overrides));
       const std::string text = number_text(level);
