@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -82,27 +83,43 @@ TEST(Budget, IsKept) {
   EXPECT_GT(ticks.stack_peak_bytes, kStack_bytes / 10);
 }
 
-// The default robot with hip yaw and roll turned by 45 degrees: legs without a closed form.
-std::filesystem::path make_oblique_robot(const std::filesystem::path& folder) {
+// Writes a copy of the default robot whose file `change` has changed. Returns the file.
+std::filesystem::path changed_robot(const std::filesystem::path& folder,
+                                    const std::function<void(std::string&)>& change) {
   std::filesystem::copy(KOBOSHI_SOURCE_DIR "/robots/koboshi", folder,
                         std::filesystem::copy_options::recursive);
   const std::filesystem::path file = folder / "robot.sdf";
   std::string text = read_text_file(file, "a robot");
-  for (const char* side : {"left_", "right_"}) {
-    for (const auto& [joint, axis] :
-         {std::pair{"hip_yaw", "-0.70710678 0 0.70710678"}, {"hip_roll", "0.70710678 0 0.70710678"}}) {
-      const std::size_t element = text.find("<joint name=\"" + std::string(side) + joint);
-      const std::size_t begin = text.find("<xyz>", element) + 5;
-      text.replace(begin, text.find("</xyz>", begin) - begin, axis);
-    }
-  }
+  change(text);
   std::ofstream(file) << text;
   return file;
 }
 
-TEST(Budget, OfLegsWithoutClosedForm) {
+void set_axis(std::string& text, const std::string& joint, const std::string& axis) {
+  const std::size_t begin = text.find("<xyz>", text.find("<joint name=\"" + joint)) + 5;
+  text.replace(begin, text.find("</xyz>", begin) - begin, axis);
+}
+
+// Hip yaw and roll turned by 45 degrees.
+void turn_hips(std::string& text) {
+  for (const std::string side : {"left_", "right_"}) {
+    set_axis(text, side + "hip_yaw", "-0.70710678 0 0.70710678");
+    set_axis(text, side + "hip_roll", "0.70710678 0 0.70710678");
+  }
+}
+
+// Hip yaws at 45 degrees about the axis to the side, turned by one motor as those of a NAO.
+void couple_hips(std::string& text) {
+  set_axis(text, "left_hip_yaw", "0 -0.70710678 0.70710678");
+  set_axis(text, "right_hip_yaw", "0 0.70710678 0.70710678");
+  const std::size_t begin = text.find("</axis>", text.find("<joint name=\"right_hip_yaw"));
+  text.replace(begin, text.find("</joint>", begin) - begin,
+               "<mimic joint=\"left_hip_yaw\"><multiplier>-1</multiplier></mimic></axis>");
+}
+
+void expect_budget_of_legs_without_closed_form(const std::function<void(std::string&)>& change) {
   const test::TemporaryFolder folder;
-  const Override robot{"robot", make_oblique_robot(folder.path / "robot").string()};
+  const Override robot{"robot", changed_robot(folder.path / "robot", change).string()};
   const Ticks ticks = measure("go.yaml", 8'000'000, {&robot, 1});
   ASSERT_GT(ticks.moving.size(), 300u);
   std::uint64_t sum = 0;
@@ -115,6 +132,10 @@ TEST(Budget, OfLegsWithoutClosedForm) {
   EXPECT_LE(worst, kWorst);
   EXPECT_LE(ticks.worst_after_boot, kWorst);
 }
+
+TEST(Budget, OfLegsWithoutClosedForm) { expect_budget_of_legs_without_closed_form(turn_hips); }
+
+TEST(Budget, OfHipYawsOnOneMotor) { expect_budget_of_legs_without_closed_form(couple_hips); }
 
 }  // namespace
 }  // namespace koboshi::tools
