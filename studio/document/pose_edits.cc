@@ -116,8 +116,9 @@ std::string without_targets(const YamlNode& pose, const AngleTexts& angles, cons
     if (const auto joint = names.find(item.key)) {
       add_joint(*joint, item.scalar);
     } else if (left && (rest[*left] || rest[names.mirror(*left)])) {
+      const std::size_t right = names.mirror(*left);  // the same where one motor turns both sides
       add_joint(*left, item.scalar);
-      add_joint(names.mirror(*left), names.mirror_sign(*left) < 0 ? negated(item.scalar) : item.scalar);
+      if (right != *left) add_joint(right, names.mirror_sign(*left) < 0 ? negated(item.scalar) : item.scalar);
     } else {
       add(item.key, left ? item.scalar : yaml_scalar(item.scalar));
     }

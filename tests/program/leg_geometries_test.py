@@ -113,6 +113,19 @@ class LegGeometries(unittest.TestCase):
                 self.assertGreater(turn_deg, 105)  # of 115 by command
                 self.assertLess(turn_deg, 125)
 
+    def test_motions_name_the_joint_of_one_motor_with_and_without_its_side(self):
+        robot = self.folder / "robot"
+        shutil.copytree(ROBOT, robot, dirs_exist_ok=True)
+        (robot / "robot.sdf").write_text(nao_hips((ROBOT / "robot.sdf").read_text()))
+        for angles, status, found in ("hip_yaw: 5", 0, "0 errors"), ("left_hip_yaw: 5", 0, "0 errors"), \
+                ("hip_yaw: 5, left_hip_yaw: 5", 2, "a second angle for left_hip_yaw"), ("right_hip_yaw: 5", 2, "right_hip_yaw"):
+            with self.subTest(angles):
+                motion = self.folder / "turn.yaml"
+                motion.write_text(f"version: 1\nrobot: koboshi\nname: turn\nposes:\n  turned: {{{angles}}}\nsteps:\n  - {{pose: turned, time_s: 1}}\n")
+                result = PROGRAM.run("motion", "check", motion, "--robot", robot / "robot.sdf")
+                self.assertEqual(status, result.returncode, result.stdout + result.stderr)
+                self.assertIn(found, result.stdout + result.stderr)
+
     def test_each_stands_squats_and_steps_on_the_spot(self):
         text = (ROBOT / "robot.sdf").read_text()
         self.assertEqual(len(GEOMETRIES), 13)

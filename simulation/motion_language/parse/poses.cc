@@ -188,7 +188,8 @@ void PoseBuilder::set_angles(const YamlNode& item, PoseSource& pose, std::uint32
   if (!angle_deg) return;
   if (joint) return set_angle(item, *joint, *angle_deg, pose, given);
   set_angle(item, *left, *angle_deg, pose, given);
-  set_angle(item, joints_.mirror(*left), *angle_deg * joints_.mirror_sign(*left), pose, given);
+  const std::size_t right = joints_.mirror(*left);  // the same where one motor turns both sides
+  if (right != *left) set_angle(item, right, *angle_deg * joints_.mirror_sign(*left), pose, given);
 }
 
 void PoseBuilder::set_angle(const YamlNode& item, std::size_t joint, double angle_deg, PoseSource& pose,
