@@ -31,8 +31,8 @@ class InverseDynamics {
   // Subtracts a force of the ground on a link from what its hinge has to supply.
   void support(std::size_t link, const Vector6& force) { forces_[link] -= force; }
   // Computes the torque of each free hinge, whose motor also moves those that follow it, and supplies what is
-  // left. It is that of the motion only if the
-  // ground supports the sum of the forces. Each call consumes the forces.
+  // left. It is that of the motion only if the ground supports the sum of the forces. Each call consumes the
+  // forces.
   void find_torques(std::span<double> torques_Nm);
 
  private:

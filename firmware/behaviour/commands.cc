@@ -131,7 +131,8 @@ Reason Behaviour::play_overlay(const motion::Motion& motion, std::uint8_t number
 }
 
 // While the robot walks, the command cancels a stop: at once, or, when the closing step has begun, by another
-// walk after it. Without a known gyro bias, the estimated attitude drifts: the walk would balance on a wrong attitude, and nothing would detect the fall (watch_for_falls).
+// walk after it. Without a known gyro bias, the estimated attitude drifts: the walk would balance on a wrong
+// attitude, and nothing would detect the fall (watch_for_falls).
 Reason Behaviour::walk(const Circumstances& circumstances) {
   if (acts_on_low_supply()) return Reason::kSupplyLow;
   if (status_.state == State::kWalking) {
