@@ -42,7 +42,7 @@ class HingeTree {
   std::span<const Hinge> hinges() const { return hinges_; }
   // Number of hinges that have positions of their own; they are the first ones.
   std::size_t free_hinges() const { return hinges_.size() - couplings_.size(); }
-  // Those of the hinges from free_hinges() on.
+  // The couplings of the hinges from free_hinges() on.
   std::span<const Coupling> couplings() const { return couplings_; }
   // Derivative of a hinge's position with respect to that of the free hinge that moves it, and that hinge.
   std::pair<std::size_t, double> free_hinge(std::size_t hinge) const {

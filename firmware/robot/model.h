@@ -144,7 +144,7 @@ struct RobotModel {
   // Number of hinges: joints and followers.
   [[nodiscard]] std::size_t hinge_count() const { return joint_count + follower_count; }
   [[nodiscard]] bool is_follower(JointIndex hinge) const { return hinge >= joint_count; }
-  // That of a follower.
+  // The coupling of a follower to its leader.
   [[nodiscard]] const Coupling& coupling(JointIndex follower) const {
     return couplings[follower - joint_count];
   }

@@ -41,7 +41,7 @@ bool is_rotation(const Rotation& R) {
   return is_close(a_cross_b.x, c.x) && is_close(a_cross_b.y, c.y) && is_close(a_cross_b.z, c.z);
 }
 
-// Those of every hinge; a follower has no drive, and no mirror of its own.
+// Checks the fields that every hinge has. A follower has no drive, and no mirror of its own.
 bool fields_are_valid(const RobotModel& model, const Joint& joint) {
   const int count = static_cast<int>(model.hinge_count());
   return static_cast<std::size_t>(joint.role) < kRoleCount && joint.parent.raw() < count &&

@@ -46,10 +46,10 @@ struct BringUpResult {
 // engines `lumped` and `mujoco`. A candidate is taken only if its score is higher and it reaches all lower
 // rungs that were passed; their figures are then measured again.
 //
-// `progress` receives a line for each step. A rung that fails ends the ladder only for the rungs that need it:
-// all need a robot that stands, which needs one that hangs, which needs one that loads. Throws InputError for
-// files that cannot be read, for files of the same names that it has not written or that have been changed
-// since; Stopped; std::system_error.
+// `progress` receives a line for each step. A rung that fails ends the ladder only for the rungs that need
+// it: all need a robot that stands, which needs one that hangs, which needs one that loads. Throws InputError
+// for files that cannot be read, for files of the same names that it has not written or that have been
+// changed since; Stopped; std::system_error.
 [[nodiscard]] BringUpResult bring_up(const BringUpOptions& options,
                                      const std::function<void(const std::string&)>& progress);
 
