@@ -103,10 +103,11 @@ class TuningTest final : public QObject {
     run_->step((time_us - run_->status().time_us) / 1000);
     QTRY_VERIFY_WITH_TIMEOUT(run_->end_us() >= time_us, kPatience_ms);
   }
-  // Lets the simulation run until something has happened, for 4 s at most.
+  // Lets the simulation run until something has happened, for 4 s of its own time at most. Each step is
+  // waited for: the machine may be slower than the clock.
   void while_running_until(const std::function<bool()>& happened) {
     for (int tries = 0; tries < 200 && !happened(); ++tries) {
-      run_->step(20);
+      run_to(run_->status().time_us + 20'000);
       QTest::qWait(10);
     }
     QVERIFY(happened());
