@@ -28,4 +28,6 @@ void SimBoard::step_world() {
   world_->step();
 }
 
+void SimBoard::archive(StateArchive& archive) { archive(now_us_, world_, electronics_); }
+
 }  // namespace koboshi::sim_board

@@ -56,7 +56,7 @@ class SimBoard {
 
   // Saves or restores the whole board including the firmware, between two calls of `advance`. Excludes the
   // measured wall times. Throws as Electronics::archive does.
-  void archive(StateArchive& archive) { archive(now_us_, world_, electronics_); }
+  void archive(StateArchive& archive);
 
  private:
   void step_world();

@@ -25,4 +25,6 @@ void Babbler::advance(std::uint64_t end_us) {
     static_cast<void>(bus_.queue(handle_, babble_.frame, next_us_));
 }
 
+void Babbler::archive(StateArchive& archive) { archive(next_us_); }
+
 }  // namespace koboshi::sim_board

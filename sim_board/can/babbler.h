@@ -28,7 +28,7 @@ class Babbler final : private BusNode {
   // Queues the frames up to `end_us`, the time to which the bus advances next. Call it once per millisecond.
   void advance(std::uint64_t end_us);
 
-  void archive(StateArchive& archive) { archive(next_us_); }
+  void archive(StateArchive& archive);
 
  private:
   // More than the number of shortest frames in a millisecond.

@@ -1,7 +1,7 @@
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 
 #include "base/text/text.h"
+#include "mechanics/axes.h"
 #include "sim_board/description/fault_list.h"
 #include "sim_board/description/load_parts.h"
 
@@ -13,8 +13,7 @@ namespace {
 void find_inertia_faults(const XmlNode& link, FaultList& faults) {
   constexpr double kMargin = 1e-4;
   const XmlNode node = link.child("inertial").child("inertia");
-  const Eigen::Vector3d moments =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia_matrix(node)).eigenvalues();
+  const Eigen::Vector3d moments = mechanics::principal_inertia(inertia_matrix(node)).moments;
   const std::string found = "principal moments " + number_text(moments[0]) + ", " + number_text(moments[1]) +
                             " and " + number_text(moments[2]) + " kg m^2 in link " + link.attribute("name");
   if (moments[0] < 1e-12) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "mechanics/axes.h"
 #include "sim_board/engine/bodies/bounce_law.h"
 #include "sim_board/engine/bodies/touching.h"
 #include "sim_board/engine/common/limits.h"
@@ -167,7 +168,7 @@ void FreeBodiesWorld::add_ground() {
   if (ground.present) {
     const Vector3d n_W = ground.normal_W.normalized();
     Solid plane;
-    plane.X_WG.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), n_W).toRotationMatrix();
+    plane.X_WG.linear() = mechanics::rotation_to_normal(n_W);
     plane.X_WG.translation() = ground.offset_m * n_W;
     add(plane, ground.surface);
   }

@@ -60,4 +60,10 @@ void SensorNode::on_frame(const hal::CanFrame& frame, std::uint64_t time_us) {
   filter_.update(bus_, handle_, node_, services_);
 }
 
+void SensorNode::archive(StateArchive& archive) {
+  archive(values_, storage_, bus_off_, started_, now_us_);
+  archive.in_place(memory_, services_, node_);
+  if (!archive.writes()) filter_.set(bus_, handle_, node_, services_);
+}
+
 }  // namespace koboshi::sim_board

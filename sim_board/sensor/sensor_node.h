@@ -40,11 +40,7 @@ class SensorNode final : private BusNode,
 
   NodeHandle bus_handle() const { return handle_; }
 
-  void archive(StateArchive& archive) {
-    archive(values_, storage_, bus_off_, started_, now_us_);
-    archive.in_place(memory_, services_, node_);
-    if (!archive.writes()) filter_.set(bus_, handle_, node_, services_);
-  }
+  void archive(StateArchive& archive);
 
  private:
   using Axes = std::array<std::int16_t, 3>;

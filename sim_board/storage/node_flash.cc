@@ -55,4 +55,10 @@ void NodeFlash::complete() const {
   }
 }
 
+void NodeFlash::archive(StateArchive& archive) {
+  archive.flash(memory_);
+  archive.flash(written_);
+  archive(offset_, size_, erases_, polls_left_);
+}
+
 }  // namespace koboshi::sim_board

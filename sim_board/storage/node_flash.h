@@ -37,11 +37,7 @@ class NodeFlash final : public hal::StoragePort {
   [[nodiscard]] bool begin_write(std::size_t offset, std::span<const std::byte> bytes) override;
   [[nodiscard]] hal::StorageState state() const override;
 
-  void archive(StateArchive& archive) {
-    archive.flash(memory_);
-    archive.flash(written_);
-    archive(offset_, size_, erases_, polls_left_);
-  }
+  void archive(StateArchive& archive);
 
  private:
   static constexpr std::byte kErased{0xFF};

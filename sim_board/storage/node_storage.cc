@@ -53,4 +53,9 @@ void NodeStorage::load(canopen::NmtCommand reset) {
                                  : canopen::ParameterGroup::kCommunication);
 }
 
+void NodeStorage::archive(StateArchive& archive) {
+  archive(flash_);
+  archive.in_place(*volatile_);
+}
+
 }  // namespace koboshi::sim_board

@@ -38,10 +38,7 @@ class NodeStorage {
     volatile_->parameters.process();
   }
 
-  void archive(StateArchive& archive) {
-    archive(flash_);
-    archive.in_place(*volatile_);
-  }
+  void archive(StateArchive& archive);
 
  private:
   // The firmware's view of the flash, which a restart creates anew.

@@ -19,4 +19,10 @@ HostFactory in_process(const std::filesystem::path& storage_file) {
   };
 }
 
+void InProcessHost::archive(sim_board::StateArchive& archive) {
+  archive.flash(flash_.bytes());
+  archive(storage_);
+  archive.in_place(board_, controller_);
+}
+
 }  // namespace koboshi::simulation

@@ -23,11 +23,7 @@ class InProcessHost final : public sim_board::ControllerHost {
       : flash_(storage_contents, storage_file), board_(storage_, sensor_nodes) {}
 
   void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override;
-  void archive(sim_board::StateArchive& archive) override {
-    archive.flash(flash_.bytes());
-    archive(storage_);
-    archive.in_place(board_, controller_);
-  }
+  void archive(sim_board::StateArchive& archive) override;
   const app::ControllerValues& values() const { return controller_.values(); }
   const robot::RobotModel& model() const { return controller_.model(); }
   const policy::Residual& residual() const { return controller_.residual(); }

@@ -95,4 +95,6 @@ double TruthObserver::pose_height_m(const Telemetry& telemetry) {
   return height_m;
 }
 
+void TruthObserver::archive(sim_board::StateArchive& archive) { archive(anchors_, truth_); }
+
 }  // namespace koboshi::simulation

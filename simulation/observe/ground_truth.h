@@ -46,7 +46,7 @@ class TruthObserver {
 
   // Observes the world; call it once per tick.
   const GroundTruth& observe(const sim_board::World& world, const Telemetry& telemetry);
-  void archive(sim_board::StateArchive& archive) { archive(anchors_, truth_); }
+  void archive(sim_board::StateArchive& archive);
 
  private:
   struct Anchor {

@@ -51,4 +51,6 @@ void SelfContacts::find_obstructed_joint(SelfContact& contact, const Telemetry& 
   }
 }
 
+void SelfContacts::archive(sim_board::StateArchive& archive) { archive(contacts_); }
+
 }  // namespace koboshi::simulation

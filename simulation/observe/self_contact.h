@@ -34,7 +34,7 @@ class SelfContacts {
   // Observes a tick of kTick_us, in a state in which links should not touch. Returns a contact that has now
   // lasted kReported_us, once for each pair of links.
   std::optional<SelfContact> observe(const sim_board::World& world, const Telemetry& said);
-  void archive(sim_board::StateArchive& archive) { archive(contacts_); }
+  void archive(sim_board::StateArchive& archive);
 
  private:
   void find_obstructed_joint(SelfContact& contact, const Telemetry& said) const;

@@ -173,4 +173,6 @@ void TelemetryReader::read_balance(std::uint16_t base, const hal::CanFrame& fram
   }
 }
 
+void TelemetryReader::archive(sim_board::StateArchive& archive) { archive(telemetry_); }
+
 }  // namespace koboshi::simulation

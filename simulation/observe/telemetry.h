@@ -84,7 +84,7 @@ class TelemetryReader final : public sim_board::BusObserver {
 
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
   const Telemetry& now() const { return telemetry_; }
-  void archive(sim_board::StateArchive& archive) { archive(telemetry_); }
+  void archive(sim_board::StateArchive& archive);
 
  private:
   static constexpr std::uint8_t kNoJoint = 0xFF;

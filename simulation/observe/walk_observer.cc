@@ -134,4 +134,9 @@ std::optional<WalkSummary> WalkObserver::summary() const {
   return summary;
 }
 
+void WalkObserver::archive(sim_board::StateArchive& archive) {
+  archive(begun_, walking_, ticks_, planned_, start_W_m_, start_yaw_rad_, now_W_m_, yaw_rad_, drawn_J_,
+          energy_J_, zmp_error_, roll_rad_, margins_m_, lift_m_, lifts_m_, sensor_check_);
+}
+
 }  // namespace koboshi::simulation

@@ -25,4 +25,6 @@ void ZmpSensorCheck::observe(const sim_board::SimBoard& board) {
   }
 }
 
+void ZmpSensorCheck::archive(sim_board::StateArchive& archive) { archive(sensors_, error_); }
+
 }  // namespace koboshi::simulation

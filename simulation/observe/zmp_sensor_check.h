@@ -28,7 +28,7 @@ class ZmpSensorCheck {
   void observe(const sim_board::SimBoard& board);
   // RMS distance of the two ZMPs; NaN if no foot was loaded.
   double rms_m() const { return error_.value(); }
-  void archive(sim_board::StateArchive& archive) { archive(sensors_, error_); }
+  void archive(sim_board::StateArchive& archive);
 
  private:
   const sim_board::RobotDescription& robot_;

@@ -143,4 +143,8 @@ void ObjectAccess::end(AbortCode code, std::uint64_t time_us) {
   active_.reset();
 }
 
+void ObjectAccess::archive(sim_board::StateArchive& archive) {
+  archive(waiting_, active_, answers_, read_, written_, toggle_, segmented_, deadline_us_);
+}
+
 }  // namespace koboshi::simulation

@@ -64,9 +64,7 @@ class ObjectAccess {
   // Returns the answers since the last call, in the order of the requests.
   [[nodiscard]] std::vector<ObjectAnswer> take_answers() { return std::exchange(answers_, {}); }
 
-  void archive(sim_board::StateArchive& archive) {
-    archive(waiting_, active_, answers_, read_, written_, toggle_, segmented_, deadline_us_);
-  }
+  void archive(sim_board::StateArchive& archive);
 
  private:
   using Data = std::array<std::uint8_t, 8>;

@@ -194,4 +194,9 @@ void OperatorPc::give_up(const ObjectAnswer& answer) const {
                               static_cast<std::uint32_t>(answer.abort)));
 }
 
+void OperatorPc::archive(sim_board::StateArchive& archive) {
+  archive(writes_, written_, parameters_, access_, velocity_, velocity_due_us_, streams_, stream_due_us_,
+          sequence_);
+}
+
 }  // namespace koboshi::simulation

@@ -64,10 +64,7 @@ class OperatorPc final : private sim_board::BusNode, private canopen::FrameSink 
   void request(ObjectRequest request) { access_.request(std::move(request)); }
   [[nodiscard]] std::vector<ObjectAnswer> take_answers() { return access_.take_answers(); }
 
-  void archive(sim_board::StateArchive& archive) {
-    archive(writes_, written_, parameters_, access_, velocity_, velocity_due_us_, streams_, stream_due_us_,
-            sequence_);
-  }
+  void archive(sim_board::StateArchive& archive);
 
  private:
   void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;

@@ -254,4 +254,9 @@ void ScenarioPlayer::mend(const Fault& fault) {
   }
 }
 
+void ScenarioPlayer::archive(sim_board::StateArchive& archive) {
+  archive(operator_, commands_, pushes_, pushed_links_, next_command_, faults_, fault_events_,
+          next_fault_event_, held_);
+}
+
 }  // namespace koboshi::simulation

@@ -63,10 +63,7 @@ class ScenarioPlayer final : private sim_board::StepListener {
   const std::vector<Fault>& faults() const { return faults_; }
 
   // Excludes the board, which has its own archive function.
-  void archive(sim_board::StateArchive& archive) {
-    archive(operator_, commands_, pushes_, pushed_links_, next_command_, faults_, fault_events_,
-            next_fault_event_, held_);
-  }
+  void archive(sim_board::StateArchive& archive);
 
  private:
   void schedule(std::size_t fault);

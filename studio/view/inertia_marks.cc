@@ -1,9 +1,10 @@
 #include "studio/view/inertia_marks.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "mechanics/axes.h"
 
 namespace koboshi::studio {
 namespace {
@@ -20,9 +21,7 @@ std::vector<InertiaEllipsoid> inertia_ellipsoids(const sim_board::RobotDescripti
   std::vector<InertiaEllipsoid> ellipsoids;
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const sim_board::LinkDescription& link = robot.links[i];
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(link.I_LCom_L);
-    const Eigen::Vector3d moments = solver.eigenvalues();
-    Eigen::Matrix3d axes = solver.eigenvectors();
+    auto [moments, axes] = mechanics::principal_inertia(link.I_LCom_L);
     if (axes.determinant() < 0.0) axes.col(2) = -axes.col(2);
     InertiaEllipsoid ellipsoid{.link = static_cast<int>(i)};
     ellipsoid.X_LE.linear() = axes;

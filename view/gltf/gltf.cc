@@ -16,6 +16,7 @@
 #include "base/text/error.h"
 #include "base/text/foreign_text.h"
 #include "base/text/text.h"
+#include "mechanics/axes.h"
 
 namespace koboshi::view {
 namespace {
@@ -229,8 +230,7 @@ class Document {
     if (path.isEmpty()) path.extend(Eigen::Vector3d(Eigen::Vector3d::Zero()));
     const double side_m = path.sizes().maxCoeff() + 2.0 * kPlaneMargin_m;
     Shape shape{.name = "plane", .colour = kPlaneColour};
-    shape.X_LG.linear() =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), plane.normal_W).toRotationMatrix();
+    shape.X_LG.linear() = mechanics::rotation_to_normal(plane.normal_W);
     const Eigen::Vector3d centre = path.center();
     shape.X_LG.translation() = centre - plane.normal_W * (plane.normal_W.dot(centre) - plane.offset_m);
     const auto half_m = static_cast<float>(0.5 * side_m);

@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "mechanics/axes.h"
+
 namespace koboshi::view {
 namespace {
 
@@ -156,8 +158,7 @@ foxglove::SceneEntity& add_entity(const std::string& id, const std::string& fram
 Shape slab(const Plane& plane) {
   Shape shape{
       .name = "plane", .geometry = Box{{kPlane_m, kPlane_m, kPlaneThickness_m}}, .colour = kPlaneColour};
-  shape.X_LG.linear() =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), plane.normal_W).toRotationMatrix();
+  shape.X_LG.linear() = mechanics::rotation_to_normal(plane.normal_W);
   shape.X_LG.translation() = plane.normal_W * (plane.offset_m - 0.5 * kPlaneThickness_m);
   return shape;
 }

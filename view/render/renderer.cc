@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <array>
 
+#include "mechanics/axes.h"
 #include "view/render/gl.h"
 #include "view/render/shaders.h"
 #include "view/render/shadows.h"
@@ -85,7 +86,7 @@ void Renderer::Implementation::draw_ground(const Picture& picture) {
     const Eigen::Vector3d foot_m =
         target_m - (plane.normal_W.dot(target_m) - plane.offset_m) * plane.normal_W;
     Eigen::Affine3d place(Eigen::Translation3d(foot_m) *
-                          Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), plane.normal_W) *
+                          mechanics::rotation_to_normal(plane.normal_W) *
                           Eigen::Scaling(1.5 * fade_m));
     surface_.set("albedo", linear_light(kGroundColour));
     surface_.set("model", Eigen::Matrix4f(place.matrix().cast<float>()));

@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <stdexcept>
 
+#include "mechanics/axes.h"
 #include "sim_board/engine/common/model_constants.h"
 #include "sim_board/engine/mujoco/constraint_row.h"
 
@@ -122,8 +123,7 @@ void Writer::add_plane() {
   push(xml_, "size", "0 0 1");
   push(xml_, "pos", vector_text(options_.ground.offset_m * normal));
   push(xml_, "quat",
-       quaternion_text(
-           Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix()));
+       quaternion_text(mechanics::rotation_to_normal(normal)));
   xml_.CloseElement();
 }
 

@@ -425,4 +425,6 @@ void Collider::drop_gaps() {
   for (Contact& contact : contacts_) contact.depth_m = std::max(contact.depth_m, 0.0);
 }
 
+void Collider::archive(StateArchive& archive) { archive(contacts_); }
+
 }  // namespace koboshi::sim_board

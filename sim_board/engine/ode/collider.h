@@ -67,7 +67,7 @@ class Collider {
   void drop_gaps();
 
   // Archives the contacts of the last step. Their joints or rows are created anew in each step.
-  void archive(StateArchive& archive) { archive(contacts_); }
+  void archive(StateArchive& archive);
 
  private:
   static constexpr std::size_t kGround = static_cast<std::size_t>(-1);

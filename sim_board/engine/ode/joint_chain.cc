@@ -271,4 +271,6 @@ void JointChain::read_ode_joint() {
   for (std::size_t i = 0; i < links_between(); ++i) between_[i] = velocity_of_link(i);
 }
 
+void JointChain::archive(StateArchive& archive) { archive(motors_, wrenches_, between_); }
+
 }  // namespace koboshi::sim_board

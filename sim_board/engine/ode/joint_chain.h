@@ -78,7 +78,7 @@ class JointChain {
   // State of the link behind hinge i, which must not be the last.
   BodyState link_between(std::size_t i) const;
 
-  void archive(StateArchive& archive) { archive(motors_, wrenches_, between_); }
+  void archive(StateArchive& archive);
 
  private:
   using Vectors = std::array<Eigen::Vector3d, kMaxHinges>;

@@ -47,4 +47,6 @@ void SavedBodies::restore(std::span<const OdeBody> bodies) const {
   }
 }
 
+void SavedBodies::archive(StateArchive& archive) { archive(bodies_); }
+
 }  // namespace koboshi::sim_board

@@ -16,7 +16,7 @@ class SavedBodies {
   void resize(std::size_t bodies) { bodies_.resize(bodies); }
   void save(std::span<const OdeBody> bodies);
   void restore(std::span<const OdeBody> bodies) const;
-  void archive(StateArchive& archive) { archive(bodies_); }
+  void archive(StateArchive& archive);
 
  private:
   struct Saved {

@@ -198,4 +198,9 @@ Eigen::Vector3d ServoMotor::on_parent_Nm() const {  // the second body
   return vector_of(feedbacks_->servo.t2) + vector_of(feedbacks_->stop.t2);
 }
 
+void ServoMotor::archive(StateArchive& archive) {
+  archive(*feedbacks_, servo_, state_, friction_, doubted_steps_, direction_, b_W_, drift_rad_per_s_,
+          scale_);
+}
+
 }  // namespace koboshi::sim_board

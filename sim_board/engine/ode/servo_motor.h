@@ -80,10 +80,7 @@ class ServoMotor {
   Eigen::Vector3d on_parent_Nm() const;
 
   // The rows of ODE's motors are rewritten in each step.
-  void archive(StateArchive& archive) {
-    archive(*feedbacks_, servo_, state_, friction_, doubted_steps_, direction_, b_W_, drift_rad_per_s_,
-            scale_);
-  }
+  void archive(StateArchive& archive);
 
  private:
   struct Feedbacks {

@@ -149,4 +149,8 @@ bool Soles::rests(const Sole& sole, const Collider& collider) const {
   });
 }
 
+void Soles::archive(StateArchive& archive) {
+  for (Sole& sole : soles_) archive(sole.stands, sole.resting_steps);
+}
+
 }  // namespace koboshi::sim_board

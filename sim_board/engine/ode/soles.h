@@ -35,9 +35,7 @@ class Soles {
   void finish_step(Collider& collider);
 
   // Only the guesses persist between steps: guess() holds or releases each sole anew.
-  void archive(StateArchive& archive) {
-    for (Sole& sole : soles_) archive(sole.stands, sole.resting_steps);
-  }
+  void archive(StateArchive& archive);
 
  private:
   struct Sole {

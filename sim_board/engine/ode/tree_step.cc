@@ -182,4 +182,6 @@ void TreeStep::finish(std::span<JointChain> chains) {
   }
 }
 
+void TreeStep::archive(StateArchive& archive) { archive(solver_); }
+
 }  // namespace koboshi::sim_board

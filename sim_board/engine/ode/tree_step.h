@@ -52,7 +52,7 @@ class TreeStep {
 
   const TreeSolver& solver() const { return solver_; }
 
-  void archive(StateArchive& archive) { archive(solver_); }
+  void archive(StateArchive& archive);
 
  private:
   struct Velocity {

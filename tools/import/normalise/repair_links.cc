@@ -1,12 +1,12 @@
 #include "tools/import/normalise/repair_links.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "base/text/text.h"
 #include "base/text/user_units.h"
+#include "mechanics/axes.h"
 
 namespace koboshi::tools {
 namespace {
@@ -29,12 +29,8 @@ constexpr double kDensity_kg_per_m3 = 2700.0;
 constexpr double kMinMass_kg = 0.001;
 constexpr double kBracketDensity_kg_per_m3 = 300.0;  // of a link's box: servos with air between them
 
-Vector3d principal(const Matrix3d& inertia) {
-  return Eigen::SelfAdjointEigenSolver<Matrix3d>(inertia).eigenvalues();
-}
-
 bool is_body(const Matrix3d& inertia) {
-  const Vector3d moments = principal(inertia);
+  const Vector3d moments = mechanics::principal_inertia(inertia).moments;
   return moments[0] > 1e-12 && moments[2] <= (moments[0] + moments[1]) * (1.0 + 1e-6);
 }
 

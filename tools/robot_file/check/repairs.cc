@@ -1,6 +1,5 @@
 #include "tools/robot_file/check/repairs.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,8 @@
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "mechanics/axes.h"
 
 namespace koboshi::tools {
 namespace {
@@ -58,15 +59,15 @@ std::optional<std::string> nearest_numbers(const std::string& text, std::size_t 
 }  // namespace
 
 std::optional<Eigen::Matrix3d> nearest_inertia(const Eigen::Matrix3d& inertia) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(inertia);
-  Vector3d moments = nearest_moments(principal.eigenvalues());
+  const auto [principal_moments, axes] = mechanics::principal_inertia(inertia);
+  Vector3d moments = nearest_moments(principal_moments);
   if (!(moments.maxCoeff() > 1e-9)) return std::nullopt;
   // A rod has no moment about its axis, and a plate's largest moment equals the sum of the others. Such
   // limits do not survive the rounding of a file: the result is a little thicker.
   constexpr double kThickness = 1e-4;
   const bool is_thin = 2.0 * moments.maxCoeff() >= moments.sum() * (1.0 - kThickness);
   if (is_thin) moments += Vector3d::Constant(2.0 * kThickness * moments.maxCoeff());
-  return principal.eigenvectors() * moments.asDiagonal() * principal.eigenvectors().transpose();
+  return axes * moments.asDiagonal() * axes.transpose();
 }
 
 std::optional<std::string> nearest_value(const std::string& text, XmlContent content, std::size_t numbers,

@@ -1,3 +1,4 @@
+#include "mechanics/axes.h"
 #include "sim_board/world/foot.h"
 
 #include <gtest/gtest.h>
@@ -32,8 +33,8 @@ class StandingBox {
     if (!boxes.empty()) options.ground.offset_m = -1.0;
     options.ground.boxes = std::move(boxes);
     ground_ = options.ground;
-    const auto R_WL = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ground_normal_W);
-    options.X_WB = R_WL * Eigen::Translation3d(0.0, 0.0, 0.01);
+    const Eigen::Matrix3d R_WL = mechanics::rotation_to_normal(ground_normal_W);
+    options.X_WB = Eigen::Isometry3d(R_WL) * Eigen::Translation3d(0.0, 0.0, 0.01);
     world_ = make_world(robot_, options);
   }
 

@@ -1,8 +1,8 @@
+#include "mechanics/axes.h"
 #include "tools/robot_file/check/repairs.h"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <random>
 
 #include "tests/support/temporary_folder.h"
@@ -11,7 +11,7 @@ namespace koboshi::tools {
 namespace {
 
 Eigen::Vector3d moments_of(const Eigen::Matrix3d& inertia) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia).eigenvalues();
+  return mechanics::principal_inertia(inertia).moments;
 }
 
 bool is_rigid(const Eigen::Vector3d& m) {
@@ -36,9 +36,8 @@ TEST(NearestInertia, IsThatOfARigidBodyAndNoOtherIsNearer) {
       const Eigen::Vector3d changed =
           moments + 0.2 * Eigen::Vector3d(uniform(random), uniform(random), uniform(random));
       if (!is_rigid(changed)) continue;
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(*nearest);
-      const Eigen::Matrix3d rigid =
-          axes.eigenvectors() * changed.asDiagonal() * axes.eigenvectors().transpose();
+      const Eigen::Matrix3d axes = mechanics::principal_inertia(*nearest).axes;
+      const Eigen::Matrix3d rigid = axes * changed.asDiagonal() * axes.transpose();
       EXPECT_GT((rigid - inertia).norm(), distance - 2e-3 * inertia.norm()) << kSeed << " " << i;
     }
   }
