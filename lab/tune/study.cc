@@ -24,8 +24,8 @@ SearchedNumber read_number(const std::string& path, const YamlValue& value) {
 }
 
 StudiedTrial read_trial(const YamlValue& value) {
-  static const std::vector<std::string> kRewards{"forward", "backward", "left",
-                                                 "turn",    "survival", "stand_up"};
+  static const std::vector<std::string> kRewards{"forward",  "backward", "left",       "turn",    "survival",
+                                                 "stand_up", "one_leg",  "ball_speed", "push_ups"};
   const YamlMap map = value.map();
   StudiedTrial trial{.name = map.text("name")};
   if (const auto set = map.optional_child("set")) {
@@ -60,15 +60,17 @@ Study read_study(const std::filesystem::path& file) {
   return study;
 }
 
-double score(const StudiedTrial& trial, const GettingUpTrial& played, double duration_s) {
+double score(const StudiedTrial& trial, const StudyTrial& played, double duration_s) {
   using enum StudiedTrial::Reward;
   constexpr double kStrayCost = 0.25;  // of a way off the wanted one that is as long
   if (trial.reward == kStandUp) {
     if (!played.stood_s) return played.uprightness.value_or(0.0) - 1.0;
     return trial.wanted / std::max(*played.stood_s, trial.wanted);
   }
-  if (played.lost()) return played.duration_s / duration_s - 1.0;
+  const bool lost = trial.reward == kPushUps ? !played.error.empty() : played.lost();
+  if (lost) return played.duration_s / duration_s - 1.0;
   if (trial.reward == kSurvival) return 1.0;
+  if (played.achieved) return std::min(*played.achieved / trial.wanted, 1.0);
   if (!played.walked()) return -1.0;  // it has not even begun
   const simulation::WalkSummary& walk = played.walk;
   const double time_s =
@@ -91,6 +93,9 @@ double score(const StudiedTrial& trial, const GettingUpTrial& played, double dur
       break;
     case kSurvival:
     case kStandUp:
+    case kOneLeg:
+    case kBallSpeed:
+    case kPushUps:
       break;
   }
   return std::min(made / time_s / trial.wanted, 1.0) -

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,14 +15,20 @@ namespace koboshi::lab {
 // A run of the scenario by which a set of parameters is scored.
 struct StudiedTrial {
   // The quantity to maximise: the speed made good along an axis of the heading at the start, to the left, or
-  // the turn rate; 1 for a robot that is on its feet at the end; or how soon a robot that lay stands.
-  enum class Reward { kForward, kBackward, kLeft, kTurn, kSurvival, kStandUp };
+  // the turn rate; 1 for a robot that is on its feet at the end; how soon a robot that lay stands; or what a
+  // motion achieves (lab/trial/motion_measure.h).
+  enum class Reward { kForward, kBackward, kLeft, kTurn, kSurvival, kStandUp, kOneLeg, kBallSpeed, kPushUps };
 
   std::string name;
   std::vector<Override> set{};
   Reward reward = Reward::kSurvival;
   double wanted = 1.0;  // the value with score 1, which is the highest; of kStandUp the time, in s
   double weight = 1.0;
+};
+
+// A trial of a study that was played.
+struct StudyTrial : GettingUpTrial {
+  std::optional<double> achieved{};  // with the reward of a motion
 };
 
 // docs/reference/study-format.md.
@@ -38,7 +45,7 @@ struct Study {
 
 // The score of a trial: -1 to 0 after a fall, more the longer the robot stayed up; otherwise the share of the
 // wanted reward, less for straying from the path. A robot that does not stand up gets -1 to 0, too, more the
-// further it came.
-[[nodiscard]] double score(const StudiedTrial& trial, const GettingUpTrial& played, double duration_s);
+// further it came. A robot that does push-ups lies, which is no fall.
+[[nodiscard]] double score(const StudiedTrial& trial, const StudyTrial& played, double duration_s);
 
 }  // namespace koboshi::lab

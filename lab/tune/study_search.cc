@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "lab/experiment/files.h"
 #include "lab/experiment/report.h"
 #include "lab/trial/getting_up.h"
+#include "lab/trial/motion_measure.h"
 #include "lab/trial/scenario_trial.h"
 #include "lab/tune/cma_es.h"
 #include "lab/tune/infeasible.h"
@@ -33,8 +35,8 @@ constexpr double kInfeasibleWorth = -10.0;
 constexpr const char* kInfeasible = "infeasible: ";  // begins the error of a trial that could not be built
 constexpr const char* kTrials = "trials.jsonl";
 
-const FieldTable<GettingUpTrial>& trial_fields() {
-  using T = GettingUpTrial;
+const FieldTable<StudyTrial>& trial_fields() {
+  using T = StudyTrial;
   using Walk = simulation::WalkSummary;
   static const FieldTable<T> kFields{outcome_fields<T>(&T::outcome),
                                      Fields<T>{{{"distance_m"}, &T::walk, &Walk::distance_m},
@@ -43,7 +45,8 @@ const FieldTable<GettingUpTrial>& trial_fields() {
                                                {{"heading_drift_rad"}, &T::walk, &Walk::heading_drift_rad},
                                                {{"duration_s"}, &T::duration_s},
                                                {{"stood_s"}, &T::stood_s},
-                                               {{"uprightness"}, &T::uprightness}}};
+                                               {{"uprightness"}, &T::uprightness},
+                                               {{"achieved"}, &T::achieved}}};
   return kFields;
 }
 
@@ -319,7 +322,7 @@ class StudySearch {
       double mean = 0.0;
       for (std::size_t seed = 0; seed < options_.seeds; ++seed) {
         const std::size_t number = evaluation.first_trial + seed * study_.trials.size() + cell;
-        const GettingUpTrial trial = trial_fields().trial(trials[number].trial.record);
+        const StudyTrial trial = trial_fields().trial(trials[number].trial.record);
         mean += score(studied, trial, evaluation.durations_s[cell]);
         lost_.add(trial);
       }
@@ -331,10 +334,29 @@ class StudySearch {
     candidate.score = sum / weights;
   }
 
-  static GettingUpTrial play(const StudiedTrial& trial, const simulation::Scenario& scenario,
-                             std::uint64_t seed) {
-    if (trial.reward == StudiedTrial::Reward::kStandUp) return play_getting_up(scenario, seed);
-    return {play_in_world(scenario, seed)};
+  static StudyTrial play(const StudiedTrial& trial, const simulation::Scenario& scenario,
+                         std::uint64_t seed) {
+    if (trial.reward == StudiedTrial::Reward::kStandUp) return {play_getting_up(scenario, seed)};
+    const std::unique_ptr<MotionMeasure> measure = measure_of(trial.reward);
+    if (!measure) return {{play_in_world(scenario, seed)}};
+    const bool lies = trial.reward == StudiedTrial::Reward::kPushUps;
+    const auto is_over = [&](const simulation::Simulation& simulation,
+                             const simulation::RunRecorder& recorder) {
+      measure->observe(simulation, recorder);
+      return !lies && recorder.fell();
+    };
+    StudyTrial played{{watch_in_world(scenario, seed, is_over)}};
+    played.achieved = measure->value();
+    return played;
+  }
+
+  // Nothing for the rewards of walking, standing and getting up.
+  static std::unique_ptr<MotionMeasure> measure_of(StudiedTrial::Reward reward) {
+    using enum StudiedTrial::Reward;
+    if (reward == kOneLeg) return std::make_unique<OneLegTime>();
+    if (reward == kBallSpeed) return std::make_unique<BallSpeed>();
+    if (reward == kPushUps) return std::make_unique<PushUps>();
+    return nullptr;
   }
 
  public:
@@ -368,7 +390,7 @@ class StudySearch {
         return play(study_.trials[cell], scenarios[cell], seed);
       } catch (const InputError& error) {
         if (is_start) throw;
-        GettingUpTrial infeasible;
+        StudyTrial infeasible;
         infeasible.error = kInfeasible + error.limit();
         return infeasible;
       }

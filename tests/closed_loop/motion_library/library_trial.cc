@@ -11,6 +11,7 @@
 #include <numbers>
 #include <optional>
 
+#include "lab/trial/motion_measure.h"
 #include "lab/trial/scenario_trial.h"
 #include "simulation/scenario/reader.h"
 
@@ -155,11 +156,11 @@ std::unique_ptr<Judge> judge_squat() {
   });
 }
 
-std::unique_ptr<Judge> judge_one_leg(std::size_t lifted) {
-  auto longest = std::make_shared<Longest>();
-  return reaches("s on one leg", 5.0, [=](double time_s, const Simulation&, const RunRecorder& recorder) {
-    const simulation::GroundTruth& truth = recorder.truth();
-    return longest->held_s(time_s, truth.foot_load_N[lifted] < 0.1 && truth.foot_height_m[lifted] > 0.005);
+std::unique_ptr<Judge> judge_one_leg(hal::Side lifted) {
+  auto measure = std::make_shared<lab::OneLegTime>(lifted);
+  return reaches("s on one leg", 5.0, [=](double, const Simulation& simulation, const RunRecorder& recorder) {
+    measure->observe(simulation, recorder);
+    return measure->value();
   });
 }
 
@@ -172,17 +173,14 @@ std::unique_ptr<Judge> judge_touch_floor() {
                  });
 }
 
-// The trunk goes up by 25 mm and down again, without the knees or the trunk on the floor while it is up.
 std::unique_ptr<Judge> judge_push_up() {
-  auto swings = std::make_shared<Swings>(0.080, 0.100);
+  auto measure = std::make_shared<lab::PushUps>();
   return reaches(
       "push-ups", 3.0,
       [=](double time_s, const Simulation& simulation, const RunRecorder& recorder) {
-        if (time_s < 2.7) return 0.0;  // on its way to the first one
-        const bool cheats = touches_ground(simulation, "trunk") || touches_ground(simulation, "left_shank") ||
-                            touches_ground(simulation, "right_shank");
-        const double height_m = recorder.truth().p_WB_W.z();
-        return static_cast<double>(swings->count(cheats ? std::min(height_m, 0.09) : height_m));
+        if (time_s > 2.7)
+          measure->observe(simulation, recorder);  // before, it is on its way to the first one
+        return measure->value();
       },
       false);
 }
@@ -218,35 +216,30 @@ std::unique_ptr<Judge> judge_greet() {
                  });
 }
 
-// The ball's speed over the ground 0.2 s after the foot has left it.
 class JudgeKick final : public Judge {
  public:
   void observe(double time_s, const Simulation& simulation, const RunRecorder& recorder) override {
-    const sim_board::World& world = simulation.board().world();
-    if (world.links_at_free_bodies()[0] >= 0) touched_s_ = time_s;
-    if (touched_s_ && time_s >= *touched_s_ + 0.2 && speed_m_per_s_ == 0.0)
-      speed_m_per_s_ = world.free_bodies()[0].v_WF_W.head<2>().norm();
+    ball_.observe(simulation, recorder);
     const behaviour::State state = recorder.telemetry().state;
     fell_ = fell_ || state == behaviour::State::kFalling || state == behaviour::State::kFault;
-    if (touched_s_ && time_s > *touched_s_ + 3.0)
+    if (ball_.touched_s() && kPlay_s + time_s > *ball_.touched_s() + 3.0)
       stands_ = recorder.truth().tilt_rad < kUpright_deg * kRadPerDegree;
   }
   LibraryOutcome judge() const override {
-    LibraryOutcome outcome{.measured = fmt::format("{:.3f} m/s", speed_m_per_s_)};
+    LibraryOutcome outcome{.measured = fmt::format("{:.3f} m/s", ball_.value())};
     if (fell_)
       outcome.failure = "fell";
-    else if (!touched_s_)
+    else if (!ball_.touched_s())
       outcome.failure = "missed the ball";
     else if (!stands_)
       outcome.failure = "does not stand 3 s later";
-    else if (speed_m_per_s_ < 0.8)
+    else if (ball_.value() < 0.8)
       outcome.failure = outcome.measured + ", expected 0.8";
     return outcome;
   }
 
  private:
-  std::optional<double> touched_s_;
-  double speed_m_per_s_ = 0.0;
+  lab::BallSpeed ball_;
   bool fell_ = false;
   bool stands_ = false;
 };
@@ -273,8 +266,8 @@ std::vector<TrialPlan> plans() {
   std::vector<TrialPlan> all;
   all.push_back(plan_of("nod", 6.0, judge_nod));
   all.push_back(plan_of("squat_deep", 8.0, judge_squat));
-  all.push_back(plan_of("one_leg_left", 13.5, [] { return judge_one_leg(1); }));
-  all.push_back(plan_of("one_leg_right", 13.5, [] { return judge_one_leg(0); }));
+  all.push_back(plan_of("one_leg_left", 13.5, [] { return judge_one_leg(hal::Side::kRight); }));
+  all.push_back(plan_of("one_leg_right", 13.5, [] { return judge_one_leg(hal::Side::kLeft); }));
   all.push_back(plan_of("touch_floor", 10.0, judge_touch_floor));
   all.push_back(plan_of("dance", 32.5, judge_dance));
   all.push_back(kick("left", 1.0));

@@ -78,7 +78,8 @@ TEST_F(StudyReader, FillsInDefaultsOfATrial) {
 }
 
 TEST_F(StudyReader, ReadsTheStudiesOfTheRepository) {
-  for (const char* name : {"walk", "stand", "rise_prone", "rise_supine", "roll"}) {
+  for (const char* name :
+       {"walk", "stand", "rise_prone", "rise_supine", "roll", "kick", "one_leg", "push_up"}) {
     const std::string file = KOBOSHI_SOURCE_DIR "/studies/" + std::string(name) + ".yaml";
     EXPECT_FALSE(read_study(file).numbers.empty()) << name;
   }
@@ -107,8 +108,8 @@ TEST_F(StudyReader, RequiresAParameterAndATrial) {
 constexpr double kStudyDuration_s = 10.0;
 
 // Ten seconds on its feet.
-GettingUpTrial came(double forward_m, double left_m, double turn_rad) {
-  GettingUpTrial trial;
+StudyTrial came(double forward_m, double left_m, double turn_rad) {
+  StudyTrial trial;
   trial.duration_s = kStudyDuration_s;
   trial.walk.distance_m = forward_m;
   trial.walk.speed_m_per_s = forward_m / kStudyDuration_s;
@@ -147,22 +148,40 @@ TEST(Score, SubtractsTheDeviation) {
 TEST(Score, OfStandingUpDependsOnTimeOrProgress) {
   const StudiedTrial rise = trial(StudiedTrial::Reward::kStandUp, 2.0);
   const auto stood = [&](double after_s) {
-    return score(rise, {{.outcome = Outcome::kFell}, after_s, 1.0}, kStudyDuration_s);
+    return score(rise, {{{.outcome = Outcome::kFell}, after_s, 1.0}}, kStudyDuration_s);
   };
   EXPECT_EQ(stood(1.0), 1.0);
   EXPECT_NEAR(stood(4.0), 0.5, 1e-12);
   const auto came_to = [&](double uprightness) {
-    return score(rise, {{.outcome = Outcome::kFell}, std::nullopt, uprightness}, kStudyDuration_s);
+    return score(rise, {{{.outcome = Outcome::kFell}, std::nullopt, uprightness}}, kStudyDuration_s);
   };
   EXPECT_EQ(came_to(0.0), -1.0);
   EXPECT_NEAR(came_to(0.7), -0.3, 1e-12);
   EXPECT_LE(came_to(1.0), 0.0);  // upright, and yet not still
 }
 
+TEST(Score, OfAMotionIsTheShareOfWhatItAchieves) {
+  using enum StudiedTrial::Reward;
+  const auto achieved = [](StudiedTrial::Reward reward, double wanted, double value, Outcome outcome) {
+    StudyTrial played;
+    played.outcome = outcome;
+    played.duration_s = 4.0;
+    played.achieved = value;
+    return score(trial(reward, wanted), played, kStudyDuration_s);
+  };
+  EXPECT_NEAR(achieved(kOneLeg, 5.0, 2.0, Outcome::kSurvived), 0.4, 1e-12);
+  EXPECT_EQ(achieved(kOneLeg, 5.0, 9.0, Outcome::kSurvived), 1.0);
+  EXPECT_NEAR(achieved(kBallSpeed, 1.2, 0.6, Outcome::kSurvived), 0.5, 1e-12);
+  EXPECT_EQ(achieved(kBallSpeed, 1.2, 0.0, Outcome::kSurvived), 0.0);
+  EXPECT_NEAR(achieved(kBallSpeed, 1.2, 1.2, Outcome::kFell), -0.6, 1e-12);
+  EXPECT_NEAR(achieved(kOneLeg, 5.0, 5.0, Outcome::kGaveUp), -0.6, 1e-12);
+  EXPECT_NEAR(achieved(kPushUps, 3.0, 2.0, Outcome::kFell), 2.0 / 3.0, 1e-12);  // it lies
+}
+
 TEST(Score, RanksFallsBelowSurvivalAndLateFallsAboveEarlyOnes) {
   using enum StudiedTrial::Reward;
   const auto fell = [](double after_s) {
-    GettingUpTrial fallen = came(5.0, 0.0, 0.0);
+    StudyTrial fallen = came(5.0, 0.0, 0.0);
     fallen.outcome = Outcome::kFell;
     fallen.duration_s = after_s;
     return score(trial(kForward, 0.2), fallen, kStudyDuration_s);
