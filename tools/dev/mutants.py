@@ -196,7 +196,7 @@ class Copy:
 
     def prepare(self):
         """Builds it, and runs each test program once."""
-        self.run(["cmake", "--preset", self.preset, "-DBUILD_TESTING=ON", "-DCMAKE_UNITY_BUILD=OFF"], check=True)
+        self.run(["cmake", "--preset", self.preset, "-DBUILD_TESTING=ON", "-DCMAKE_UNITY_BUILD=OFF", "-DKOBOSHI_PRECOMPILE=ON"], check=True)
         self.build_command = ["ninja", "-C", str(self.build), *self.test_targets(self.names)]
         self.run(self.build_command, check=True)
         self.digests = {path: self.digest(path) for path in self.build.rglob("*.o")}

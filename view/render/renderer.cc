@@ -85,8 +85,7 @@ void Renderer::Implementation::draw_ground(const Picture& picture) {
     const Eigen::Vector3d target_m = picture.camera.target_W_m;
     const Eigen::Vector3d foot_m =
         target_m - (plane.normal_W.dot(target_m) - plane.offset_m) * plane.normal_W;
-    Eigen::Affine3d place(Eigen::Translation3d(foot_m) *
-                          mechanics::rotation_to_normal(plane.normal_W) *
+    Eigen::Affine3d place(Eigen::Translation3d(foot_m) * mechanics::rotation_to_normal(plane.normal_W) *
                           Eigen::Scaling(1.5 * fade_m));
     surface_.set("albedo", linear_light(kGroundColour));
     surface_.set("model", Eigen::Matrix4f(place.matrix().cast<float>()));

@@ -122,8 +122,7 @@ void Writer::add_plane() {
   push(xml_, "type", "plane");
   push(xml_, "size", "0 0 1");
   push(xml_, "pos", vector_text(options_.ground.offset_m * normal));
-  push(xml_, "quat",
-       quaternion_text(mechanics::rotation_to_normal(normal)));
+  push(xml_, "quat", quaternion_text(mechanics::rotation_to_normal(normal)));
   xml_.CloseElement();
 }
 

@@ -147,11 +147,13 @@ void Collider::make_ground_pairs(std::size_t number) {
   const GroundDescription& ground = options_.ground;
   if (plane_) {
     const std::size_t meeting = collide_with_ground(box, ground.surface, Eigen::Matrix3d::Identity());
-    for (const FrictionPatch& patch : ground.patches) collide_with_ground(box, patch.surface, patch.X_WP.linear());
+    for (const FrictionPatch& patch : ground.patches)
+      collide_with_ground(box, patch.surface, patch.X_WP.linear());
     pairs_.push_back({box.geom.get(), plane_.get(), number, kGround, {}, meeting, true});
   }
   for (std::size_t i = 0; i < ground_boxes_.size(); ++i) {
-    const std::size_t meeting = collide_with_ground(box, ground.boxes[i].surface, ground.boxes[i].X_WG.linear());
+    const std::size_t meeting =
+        collide_with_ground(box, ground.boxes[i].surface, ground.boxes[i].X_WG.linear());
     pairs_.push_back({box.geom.get(), ground_boxes_[i].get(), number, kGround,
                       bounds_of(ground_boxes_[i].get()), meeting, false});
   }
@@ -167,7 +169,7 @@ void Collider::make_fields() {
 }
 
 std::size_t Collider::collide_with_ground(const Box& box, const SurfaceDescription& ground,
-                                  const Eigen::Matrix3d& R_W) {
+                                          const Eigen::Matrix3d& R_W) {
   Meeting meeting;
   meeting.contact = contact_between(box.surface, ground, options_.step_s, options_.material_pairs);
   meeting.surface = ode_surface(meeting.contact);

@@ -113,7 +113,8 @@ class Collider {
   void make_fields();
   // Each function appends to meetings_. `R_W` rotates the friction direction of the ground's surface to the
   // world.
-  std::size_t collide_with_ground(const Box& box, const SurfaceDescription& ground, const Eigen::Matrix3d& R_W);
+  std::size_t collide_with_ground(const Box& box, const SurfaceDescription& ground,
+                                  const Eigen::Matrix3d& R_W);
   std::size_t meet_box(const Box& box, const Box& other);
   void find_bounds();
   double target_m_per_s(const NormalRow& row) const {

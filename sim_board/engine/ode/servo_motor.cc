@@ -199,8 +199,7 @@ Eigen::Vector3d ServoMotor::on_parent_Nm() const {  // the second body
 }
 
 void ServoMotor::archive(StateArchive& archive) {
-  archive(*feedbacks_, servo_, state_, friction_, doubted_steps_, direction_, b_W_, drift_rad_per_s_,
-          scale_);
+  archive(*feedbacks_, servo_, state_, friction_, doubted_steps_, direction_, b_W_, drift_rad_per_s_, scale_);
 }
 
 }  // namespace koboshi::sim_board

@@ -1,5 +1,5 @@
-#include "mechanics/axes.h"
 #include "sim_board/world/foot.h"
+#include "mechanics/axes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-#include "mechanics/axes.h"
 #include "tools/robot_file/check/repairs.h"
+#include "mechanics/axes.h"
 
 #include <gtest/gtest.h>
 
