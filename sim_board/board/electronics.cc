@@ -16,7 +16,8 @@ AcceptanceFilter operators_frames() {
   AcceptanceFilter filter{kCommandIdentifier, kVelocityIdentifier};
   filter.accept_range(canopen::kSdoResponseBase + 1, canopen::kSdoResponseBase + 127);
   for (const PcSdoRange& range : kPcSdoRanges)
-    filter.accept_range(pc_sdo_response(range.first_node), pc_sdo_response(range.first_node + kPcSdoNodes - 1));
+    filter.accept_range(pc_sdo_response(range.first_node),
+                        pc_sdo_response(range.first_node + kPcSdoNodes - 1));
   return filter;
 }
 

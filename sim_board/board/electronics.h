@@ -86,8 +86,8 @@ class Electronics {  // Large: one member per part that a robot carries
   double drawn_J() const { return drawn_J_; }
   bool drive_enable_line() const { return enable_line_; }
   bool watchdog_bitten() const { return bitten_; }
-  // Input of the firmware's last service call; valid until the next `serve`. Between gather() and respond() it
-  // is the input of the call to come.
+  // Input of the firmware's last service call; valid until the next `serve`. Between gather() and respond()
+  // it is the input of the call to come.
   const hal::BatchInput& last_input() const { return input_; }
 
   // Sets the receiver of the SDO answers to the operator's PC. Null removes it.

@@ -7,9 +7,9 @@
 namespace koboshi::tools {
 
 // Locks the joints that are no driven hinges: sliders and others, those that mimic another, and those without
-// an actuator in a file that has some. Gives hinges without a range the widest one. Each is a line of `normalised` and,
-// where it is locked, of `taken.locked_deg`. Throws InputError for a slider that import.yaml wants as a
-// joint.
+// an actuator in a file that has some. Gives hinges without a range the widest one. Each is a line of
+// `normalised` and, where it is locked, of `taken.locked_deg`. Throws InputError for a slider that
+// import.yaml wants as a joint.
 void lock_undriven_joints(ImportedRobot& robot, Interview& interview, ImportReport& report);
 
 // Locks the joints that have no place in the firmware's table, such as wrists and grippers, if the user

@@ -36,9 +36,9 @@ double stiffness_Nm_per_rad(const sim_board::ServoDescription& servo) {
 
 std::string stiff_servo(const std::string& usual, const ImportedRobot& robot,
                         const ServoCatalogue& catalogue) {
-  // By hand, 28 November 2026, over 2 m with seeds 901 to 905 in `mild` worlds in mujoco: of a robot with 1.4,
-  // as DARwIn-OP with mx_28 servos, 2 of 5 fall, of robots with 2.5 and more none; one with 1.2 falls when it
-  // steps on the spot.
+  // By hand, 28 November 2026, over 2 m with seeds 901 to 905 in `mild` worlds in mujoco: of a robot
+  // with 1.4, as DARwIn-OP with mx_28 servos, 2 of 5 fall, of robots with 2.5 and more none; one with 1.2
+  // falls when it steps on the spot.
   constexpr double kLeastRatio = 1.8;
   const double needed_Nm_per_rad = kLeastRatio * tipping_Nm_per_rad(robot);
   const auto first = std::ranges::find(kUsual, usual);

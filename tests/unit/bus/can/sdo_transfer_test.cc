@@ -240,7 +240,8 @@ TEST(SecondSdo, ExistsInDrivesOnly) {
   Ear ear;
   second_sdo(ear, 16).write({0x6060, 0}, std::vector<std::uint8_t>{8});
   EXPECT_EQ(ear.identifiers, std::vector<std::uint16_t>{0x690});
-  for (const std::uint8_t node : std::vector<std::uint8_t>{35, 39, 58}) EXPECT_NO_THROW(second_sdo(ear, node));
+  for (const std::uint8_t node : std::vector<std::uint8_t>{35, 39, 58})
+    EXPECT_NO_THROW(second_sdo(ear, node));
   for (const std::uint8_t node : std::vector<std::uint8_t>{1, 15, 36, 38, 59, 127}) {
     EXPECT_THROW(second_sdo(ear, node), std::invalid_argument) << int{node};
   }
@@ -262,7 +263,8 @@ TEST(SecondSdo, SaysWhatToDoWithADriveThatHasNone) {
 // Requests and answers of all second channels, and the joint target stream of the controller.
 TEST(SecondSdo, MeetsNoOtherIdentifier) {
   std::set<std::uint32_t> taken;
-  for (std::uint32_t id = app::kStreamTargetBase; id <= app::kStreamSequenceIdentifier; ++id) taken.insert(id);
+  for (std::uint32_t id = app::kStreamTargetBase; id <= app::kStreamSequenceIdentifier; ++id)
+    taken.insert(id);
   for (int node = 1; node <= canopen::kMaxNodeId; ++node) {
     if (!sim_board::has_pc_sdo(node)) continue;
     for (const std::uint16_t id : {sim_board::pc_sdo_request(node), sim_board::pc_sdo_response(node)}) {

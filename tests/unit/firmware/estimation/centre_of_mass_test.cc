@@ -66,7 +66,7 @@ TEST(CentreOfMassObserver, FollowsAMovingCentreOfMass) {
     const double x = 0.01 * std::sin(rate_x * t);
     const double y = 0.02 * std::cos(rate_y * t);
     const auto motion = update(observer, standing_posture(x, y), robot::kAxisZ,
-                                specific_force(-rate_x * rate_x * x, -rate_y * rate_y * y), Side::kLeft);
+                               specific_force(-rate_x * rate_x * x, -rate_y * rate_y * y), Side::kLeft);
     if (cycle < 60) continue;
     const double x_speed = 0.01 * rate_x * std::cos(rate_x * t);
     const double y_speed = -0.02 * rate_y * std::sin(rate_y * t);

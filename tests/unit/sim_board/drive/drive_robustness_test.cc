@@ -40,7 +40,8 @@ class RandomFrames {
  private:
   hal::CanFrame sdo() {
     // Both channels: the controller's and the PC's.
-    const std::uint16_t base = random_.below(3) == 0 ? kPcSdoRanges[0].request_base : canopen::kSdoRequestBase;
+    const std::uint16_t base =
+        random_.below(3) == 0 ? kPcSdoRanges[0].request_base : canopen::kSdoRequestBase;
     return test::sdo_request(identifier(base), description_.rows, random_);
   }
   hal::CanFrame proper() {
