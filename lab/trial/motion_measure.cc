@@ -39,10 +39,14 @@ void OneLegTime::observe(const simulation::Simulation& simulation, const simulat
 
 void BallSpeed::observe(const simulation::Simulation& simulation, const simulation::RunRecorder&) {
   const sim_board::World& world = simulation.board().world();
-  if (world.free_bodies().empty() || speed_m_per_s_) return;
-  if (world.links_at_free_bodies()[0] >= 0) touched_s_ = world.time_s();
-  if (touched_s_ && world.time_s() >= *touched_s_ + kFree_s)
-    speed_m_per_s_ = world.free_bodies()[0].v_WF_W.head<2>().norm();
+  if (world.free_bodies().empty()) return;
+  if (world.links_at_free_bodies()[0] >= 0) {
+    touched_s_ = world.time_s();
+    is_free_ = false;
+  } else if (touched_s_ && !is_free_ && world.time_s() >= *touched_s_ + kFree_s) {
+    is_free_ = true;
+    speed_m_per_s_ = std::max(speed_m_per_s_, world.free_bodies()[0].v_WF_W.head<2>().norm());
+  }
 }
 
 void PushUps::observe(const simulation::Simulation& simulation, const simulation::RunRecorder& recorder) {

@@ -40,18 +40,19 @@ class OneLegTime final : public MotionMeasure {
   double longest_s_ = 0.0;
 };
 
-// The horizontal speed of the first free body, in m/s, 0.2 s after the robot last touched it. The body counts
-// as untouched until then, so a robot that follows its ball has not kicked it.
+// The horizontal speed of the first free body, in m/s, 0.2 s after the robot has left it; of several touches
+// that of the fastest. A robot that follows its ball has not kicked it.
 class BallSpeed final : public MotionMeasure {
  public:
   void observe(const simulation::Simulation& simulation, const simulation::RunRecorder& recorder) override;
-  double value() const override { return speed_m_per_s_.value_or(0.0); }
-  // When the robot last touched the body, up to the measurement; nothing if it missed the body.
+  double value() const override { return speed_m_per_s_; }
+  // When the robot last touched the body; nothing if it missed the body.
   std::optional<double> touched_s() const { return touched_s_; }
 
  private:
   std::optional<double> touched_s_;
-  std::optional<double> speed_m_per_s_;
+  bool is_free_ = false;  // longer than 0.2 s
+  double speed_m_per_s_ = 0.0;
 };
 
 // How often the trunk rose by 20 mm while only the last links of arms, legs and neck touched the ground.
