@@ -17,9 +17,7 @@
 #include "base/text/user_units.h"
 #include "firmware/motion/roles.h"
 #include "firmware/robot/leg.h"
-#include "lab/bring_up/recovery.h"
-#include "lab/bring_up/recovery_check.h"
-#include "lab/bring_up/recovery_motion.h"
+#include "lab/bring_up/recovery_rungs.h"
 #include "lab/bring_up/robot_files.h"
 #include "lab/bring_up/rungs.h"
 #include "lab/bring_up/standing_pose.h"
@@ -64,7 +62,8 @@ class Climber {
         lock_(folder_.empty() ? "." : folder_),
         robot_(sim_board::load_robot(options.robot)),
         reference_(simulation::read_robot_parameters(options.reference)),
-        reference_body_(measure(sim_board::load_robot(options.reference))) {}
+        reference_body_(measure(sim_board::load_robot(options.reference))),
+        recovery_(options, robot_, end_, progress_) {}
 
   BringUpResult run() {
     resume();
@@ -350,123 +349,13 @@ class Climber {
     return best.rung;
   }
 
-  Rung fall() {
-    add_motions({"fall_front", "fall_back", "fall_left", "fall_right"});
-    return with_notes(lab::protect_falls(*current_, play_options()));
-  }
+  Rung fall() { return recovery_.protect_falls(*current_, *model_, play_options()); }
   Rung rise_prone() { return rise("rise_prone", Lying::kProne); }
   Rung rise_supine() { return rise("rise_supine", Lying::kSupine); }
-
-  // Plays a motion for getting up and, where it fails, searches for a better one.
   Rung rise(const char* name, Lying lying) {
-    add_motions({name, "roll_left", "roll_right"});
-    Rung rung = lab::get_up(*current_, play_options(), lying);
-    const fs::path file = fs::path("motions") / (std::string(name) + ".yaml");
-    const SearchEnd end(options_.candidates, end_);
-    if (motions_.contains(name) && !end.is_reached(0)) {
-      const std::vector<RecoveryMotion> starts = rise_starts(name, lying);
-      RecoveryCheck check(options_.robot);
-      const RiseSearch search{.make =
-                                  [&](const RecoveryMotion& motion) {
-                                    RobotFiles files = current_->files();
-                                    files[file] = motion.text(kOrigin);
-                                    return current_->with(std::move(files));
-                                  },
-                              .is_enough =
-                                  [&](const TriedRobot& robot) {
-                                    return lab::get_up(robot, play_options(), lying).result ==
-                                           Rung::Result::kReached;
-                                  },
-                              .lying = lying,
-                              .play = play_options(),
-                              .check = check,
-                              .progress = progress_};
-      const SearchedMotion found = search_rise(search, starts, options_.candidates, end);
-      if (found.candidates > 1) {
-        journal_.searched += found.candidates;
-        current_->files()[std::string(name) + "-search.csv"] = csv_head() + found.log;
-      }
-      if (found.motion) {
-        rung = with_found(*found.motion, found.candidates, lying, rung);
-        note_errors(motions_.at(name), check);
-      }
-    }
-    return with_notes(std::move(rung));
-  }
-
-  // A rung with what is noted about its motions.
-  Rung with_notes(Rung rung) const {
-    const bool is_reached = rung.result == Rung::Result::kReached;
-    if (is_reached) rung.figure += notes_;
-    for (const auto& [name, error] : errors_) (is_reached ? rung.figure : rung.cause) += error;
-    return rung;
-  }
-
-  // Notes the first error that the check finds in a motion that has been mended.
-  void note_errors(const RecoveryMotion& motion, RecoveryCheck& check) {
-    errors_.erase(motion.name());
-    const std::vector<std::string> errors = check.errors(motion);
-    if (!errors.empty())
-      errors_[motion.name()] =
-          fmt::format("; the check of {} finds {} errors: {}", motion.name(), errors.size(), errors.front());
-  }
-
-  // The motions with which a search for getting up begins.
-  std::vector<RecoveryMotion> rise_starts(const char* name, Lying lying) const {
-    // Where hands throw the trunk over the feet, a larger robot may need it faster than by its scaled times.
-    constexpr double kFaster = 0.75;
-    std::vector<RecoveryMotion> starts{motions_.at(name), motions_.at(name).with_times(kFaster)};
-    if (lying == Lying::kProne) return starts;
-    try {
-      const StandingPose pose = standing_pose(current_->values(), *model_, kOrigin);
-      starts.push_back(RecoveryMotion::over_the_side(
-          RecoveryMotion::retarget("rise_prone", options_.robot, robot_, pose.joints_deg, 1.0)));
-    } catch (const InputError&) {  // a motion of the user's own with other steps, say
-    }
-    return starts;
-  }
-
-  // Takes a motion that a search has found, unless the robots stood up by the one before and do not by this.
-  Rung with_found(const RecoveryMotion& motion, std::size_t candidates, Lying lying, const Rung& before) {
-    const fs::path file = fs::path("motions") / (motion.name() + ".yaml");
-    std::string& text = current_->files().at(file);
-    const std::string kept = text;
-    text = motion.text(kOrigin);
-    Rung rung = lab::get_up(*current_, play_options(), lying);
-    if (rung.result != Rung::Result::kReached && before.result == Rung::Result::kReached) {
-      text = kept;
-      return before;
-    }
-    motions_.insert_or_assign(motion.name(), motion);
-    if (rung.result == Rung::Result::kReached)
-      rung.figure += fmt::format(", with a motion that was searched for ({} candidates)", candidates);
-    return rung;
-  }
-
-  static std::string csv_head() { return std::string("# ") + kOrigin + "\n"; }
-
-  // Adds motions that the reference robot has to the files, unless the robot has its own.
-  void add_motions(const std::vector<std::string>& names) {
-    notes_.clear();
-    errors_.clear();
-    RecoveryCheck check(options_.robot);
-    const StandingPose pose = standing_pose(current_->values(), *model_, kOrigin);
-    for (const std::string& name : names) {
-      const fs::path file = fs::path("motions") / (name + ".yaml");
-      if (is_foreign(folder_ / file)) {
-        current_->files()[file] = read_text_file(folder_ / file, "a motion");
-        continue;
-      }
-      if (current_->files().contains(file) && name.starts_with("roll_")) continue;
-      RecoveryMotion motion = check.mended(RecoveryMotion::retarget(
-          name, options_.reference, robot_, pose.joints_deg, current_->values().time_scale));
-      current_->files()[file] = motion.text(kOrigin);
-      for (const std::string& note : motion.notes()) {
-        if (notes_.find(note) == std::string::npos) notes_ += "; " + note;
-      }
-      note_errors(motion, check);
-      motions_.insert_or_assign(name, std::move(motion));
-    }
+    RecoveryRungs::Risen risen = recovery_.rise(name, lying, *current_, *model_, play_options());
+    journal_.searched += risen.candidates;
+    return std::move(risen.rung);
   }
 
   static bool is_better(const WalkRung& after, const WalkRung& before) {
@@ -594,9 +483,7 @@ class Climber {
   std::size_t rung_ = 0;
   std::optional<simulation::NamedModel> model_;
   std::shared_ptr<TriedRobot> current_;
-  std::map<std::string, RecoveryMotion> motions_;  // for recovery, by name, before a search
-  std::string notes_;                              // about those of the present rung, each after "; "
-  std::map<std::string, std::string> errors_;      // that the check finds in them, by motion, as `notes_`
+  RecoveryRungs recovery_;
   BringUpResult result_;
 };
 
