@@ -18,6 +18,12 @@ using test::MotionBuilder;
 using test::stored;
 using test::stored_deg;
 
+TEST_F(InterpreterTest, IsAtTheFirstStepBeforeTheFirstMotion) {
+  const Interpreter interpreter(model_);
+  EXPECT_FALSE(interpreter.running());
+  EXPECT_EQ(interpreter.step_index(), 0);
+}
+
 TEST_F(InterpreterTest, InterpolatesLinearlyBetweenPoses) {
   start(knee_poses().step(kMove, 1, 600'000).step(kMove, 2, 400'000).step(kEnd));
   for (int tick = 1; tick <= 60; ++tick) {
@@ -30,6 +36,24 @@ TEST_F(InterpreterTest, InterpolatesLinearlyBetweenPoses) {
   }
   EXPECT_FALSE(interpreter_.running());
   EXPECT_EQ(interpreter_.targets()[kKnee], stored(20));
+}
+
+// Each window is a step's work: one more than fits leaves the move to the next call.
+TEST_F(InterpreterTest, LeavesAMoveWhoseWindowsAreTooMuchWorkToTheNextCall) {
+  constexpr int kWindows = 3;
+  constexpr int kFits = Interpreter::kMaxWork - Interpreter::kMoveWork - kWindows;
+  const auto angle_after_a_call = [this](int steps_without_time) {
+    MotionBuilder builder = knee_poses();
+    builder.step(kWait, 0, kTick_us / 2);
+    for (int i = 1; i <= steps_without_time; ++i) builder.step(kJump, static_cast<std::uint16_t>(i + 1));
+    builder.step(Move{.pose = 1, .value = 4 * kTick_us, .windows = kWindows}.step());
+    for (int i = 0; i < kWindows; ++i) builder.step(Window{.joints = 1u << (kPan + 1)}.step());
+    start(builder.step(kEnd));
+    interpreter_.advance(kTick_us, inputs_);
+    return knee_deg();
+  };
+  EXPECT_NEAR(angle_after_a_call(kFits), kBent_deg / 8, 1e-6);
+  EXPECT_NEAR(angle_after_a_call(kFits + 1), 0.0, 1e-6);
 }
 
 TEST_F(InterpreterTest, FailsIfTheTrunkIsNotAsExpected) {

@@ -437,6 +437,21 @@ TEST_F(StepRanges, OfTheStack) {
   EXPECT_EQ(of_calls(kMaxStackDepth, 1), kTooDeep);
 }
 
+// The loops of a subroutine are on the stack together with those of its caller.
+TEST_F(StepRanges, OfTheStackInASubroutine) {
+  const auto of_loops = [this](std::uint16_t loops) {
+    MotionBuilder chain = builder();
+    chain.step(kCall, 2).step(kEnd);
+    for (std::uint16_t i = 0; i < loops; ++i) chain.step(kLoopBegin, 2);
+    chain.step(kWait, 0, kMinStepTime_us);
+    for (std::uint16_t i = loops; i-- > 0;) chain.step(kLoopEnd, static_cast<std::uint16_t>(2 + i));
+    chain.step(kReturn);
+    return status(chain);
+  };
+  EXPECT_EQ(of_loops(kMaxStackDepth - 1), kOk);
+  EXPECT_EQ(of_loops(kMaxStackDepth), kTooDeep);
+}
+
 // A subroutine whose steps all lead to its return takes no time, whatever kind of step it has.
 TEST_F(StepRanges, OfTimeInSubroutines) {
   const auto of_routine = [this](const std::vector<Step>& routine) {

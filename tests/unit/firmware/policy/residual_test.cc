@@ -124,6 +124,19 @@ TEST_F(ResidualOfOneLayer, ForgivesShortExcursions) {
   EXPECT_EQ(residual_.cause(), Cause::kNone);
 }
 
+TEST_F(ResidualOfOneLayer, HasItsWholePatienceAfterARetreatAndAReset) {
+  robot_.roll = degrees(30.0);
+  advance(3);
+  residual_.retreat(policy_);
+  advance(3);
+  EXPECT_EQ(residual_.cause(), Cause::kNone);
+  residual_.reset();
+  advance(3);
+  EXPECT_EQ(residual_.cause(), Cause::kNone);
+  advance();
+  EXPECT_EQ(residual_.cause(), Cause::kInputOutOfRange);
+}
+
 TEST_F(ResidualOfOneLayer, BeginsAnewAfterARetreat) {
   robot_.roll = degrees(30.0);
   advance(4);

@@ -197,6 +197,27 @@ TEST_P(LegTest, PointsAtATargetBeyondItsReach) {
   EXPECT_NEAR(sole_pose.axes[2].z, 1.0, 1e-7);
 }
 
+// The hip turns the sole level again, and yet the sole is not where it should be.
+TEST_P(LegTest, DoesNotReachBesideTheLimitOfItsAnkleRoll) {
+  RobotModel written = test::make_test_robot();
+  for (const auto side : {hal::Side::kLeft, hal::Side::kRight}) {
+    Joint& roll = written.joints[written.leg(side)[5]];
+    roll.lower = test::degrees(-20);
+    roll.upper = test::degrees(20);
+  }
+  load(written);
+  const auto reaches = [this](double roll_deg) {
+    Pose target;
+    target.p = leg_.p_BH_B - Position{.x = {}, .y = {}, .z = leg_.ankle_height} +
+               test::position(0.0, 0.1 * std::tan(roll_deg * kRadPerDegree), -0.1);
+    return leg_inverse_kinematics(model_, leg_, target).reached;
+  };
+  for (const double sign : {-1.0, 1.0}) {
+    EXPECT_TRUE(reaches(sign * 19.9)) << sign;
+    EXPECT_FALSE(reaches(sign * 20.1)) << sign;
+  }
+}
+
 TEST_P(LegTest, FoldsForATargetAtTheHip) {
   Pose target;
   target.p = leg_.p_BH_B - Position{.x = {}, .y = {}, .z = leg_.ankle_height};
