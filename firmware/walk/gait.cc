@@ -73,13 +73,13 @@ Gait::Gait(const WalkParameters& parameters) {
   min_lateral = tenths_of_mm(step.min_lateral);
   lengthening = permille(step.lengthening);
   forward_offset = tenths_of_mm(step.forward_offset);
-  com_height = tenths_of_mm(posture.com_height);
   zmp_forward = tenths_of_mm(posture.zmp_forward);
   zmp_inward = tenths_of_mm(posture.zmp_inward);
-  pitch = angle(posture.trunk_pitch);
-  pitch_at_1_m_per_s = angle(posture.trunk_pitch_by_speed);
-  compliance = {.pitch = mrad(posture.pitch_compliance), .roll = mrad(posture.roll_compliance)};
-  arm_swing = permille(posture.arm_swing);
+  carriage = {.com_height = tenths_of_mm(posture.com_height),
+              .pitch = angle(posture.trunk_pitch),
+              .pitch_at_1_m_per_s = angle(posture.trunk_pitch_by_speed),
+              .compliance = {.pitch = mrad(posture.pitch_compliance), .roll = mrad(posture.roll_compliance)},
+              .arm_swing = permille(posture.arm_swing)};
   follows_upper_body = posture.fixed_upper_body == 0;
   capture_forward = permille(reaction.capture_forward);
   capture_lateral = permille(reaction.capture_lateral);
@@ -114,9 +114,9 @@ Stride Speed::stride(const Gait& gait) const {
           .turn = Angle::from_raw(distance_raw(values_[2], kAngle, gait.step_s))};
 }
 
-Angle Speed::lean(const Gait& gait) const {
-  return gait.pitch +
-         fixed::product<Angle>(gait.pitch_at_1_m_per_s, Ratio::from_wide_raw(in_raw(values_[0], kRatio)));
+Angle Speed::lean(const Carriage& carriage) const {
+  return carriage.pitch +
+         fixed::product<Angle>(carriage.pitch_at_1_m_per_s, Ratio::from_wide_raw(in_raw(values_[0], kRatio)));
 }
 
 Angle Speed::turn() const { return Angle::from_raw(distance_raw(values_[2], kAngle, kTick_s)); }

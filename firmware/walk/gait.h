@@ -10,8 +10,9 @@
 namespace koboshi::walk {
 
 // Parameters of the walk, as the object dictionary holds them. Lengths in 0.1 mm, angles in 2^-16 turn,
-// shares in permille. A change takes effect when the next walk begins. 0 in a value that the dictionary does
-// not allow to be 0 means that it is not set. The values belong to the robot: robots/ROBOT/parameters.yaml.
+// shares in permille. A walk takes a change with its next step (Walker). 0 in a value that the dictionary
+// does not allow to be 0 means that it is not set. The values belong to the robot:
+// robots/ROBOT/parameters.yaml.
 struct WalkParameters {
   struct Steps {
     std::int16_t time_ms = 0;         // cut down to whole cycles of 10 ms
@@ -83,7 +84,16 @@ struct WalkParameters {
 // in order.
 [[nodiscard]] bool is_gait(const WalkParameters& parameters);
 
-// The parameters as quantities, computed once at the start of a walk.
+// What the plan of a step does not depend on, but the joints of its poses.
+struct Carriage {
+  fixed::Length com_height;
+  fixed::Angle pitch;
+  fixed::Angle pitch_at_1_m_per_s;  // beside it
+  Compliance compliance;
+  fixed::Ratio arm_swing;  // rad/m
+};
+
+// The parameters as quantities, computed at the start of a walk and with each change.
 struct Gait {  // Large: one quantity for each parameter
   Gait() : Gait(WalkParameters()) {}
   explicit Gait(const WalkParameters& parameters);
@@ -100,13 +110,9 @@ struct Gait {  // Large: one quantity for each parameter
   fixed::Length min_lateral;
   fixed::Ratio lengthening;
   fixed::Length forward_offset;
-  fixed::Length com_height;
   fixed::Length zmp_forward;
   fixed::Length zmp_inward;
-  fixed::Angle pitch;
-  fixed::Angle pitch_at_1_m_per_s;  // beside it
-  Compliance compliance;
-  fixed::Ratio arm_swing;  // rad/m
+  Carriage carriage;
   bool follows_upper_body;
   fixed::Ratio capture_forward;
   fixed::Ratio capture_lateral;
@@ -131,7 +137,7 @@ class Speed {
   [[nodiscard]] bool is_zero() const { return values_ == std::array<std::int32_t, 3>{}; }
   [[nodiscard]] Stride stride(const Gait& gait) const;
   // Planned forward lean of the trunk at this velocity.
-  [[nodiscard]] fixed::Angle lean(const Gait& gait) const;
+  [[nodiscard]] fixed::Angle lean(const Carriage& carriage) const;
   // Turn of the robot in one cycle.
   [[nodiscard]] fixed::Angle turn() const;
 

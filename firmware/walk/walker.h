@@ -71,7 +71,9 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   // Returns whether the legs can walk.
   [[nodiscard]] bool is_possible() const { return body_.has_legs(); }
   // Begins a walk from standing at `targets`, one angle a joint, to which it returns in the end. `parameters`
-  // must be a gait (walk::is_gait); they are copied and stay in force for the whole walk.
+  // must be a gait (walk::is_gait), and outlive the walk. The walk takes changes of them with its next step,
+  // but for those that leave no gait. What does not belong to the plan of a step (Carriage) goes over to its
+  // new value within a quarter of a second, so that no joint jumps.
   // `support`: the foot that bears the robot in the first step.
   void start(const WalkParameters& parameters, std::span<const fixed::Angle> targets,
              hal::Side support = hal::Side::kLeft);
@@ -150,6 +152,10 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   };
 
   void enter(Phase phase);
+  void use(const WalkParameters& parameters);
+  // Uses the parameters if they have changed and are a gait.
+  void use_changes();
+  void carry();
   void run_preparing();
   void begin_weight_shift();
   void run_weight_shift();
@@ -187,7 +193,11 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   const robot::RobotModel& model_;
   Body body_;
   hal::BySide<Shoulder> shoulders_{};
+  const WalkParameters* parameters_ = nullptr;  // of the caller
+  WalkParameters in_force_;
   Gait gait_;
+  Carriage carriage_;  // that of the gait, or on its way there
+  std::int32_t carriage_ticks_left_ = 0;
   Pendulum pendulum_;
   Footsteps footsteps_;
 

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "bus/can/sdo_transfer.h"
-#include "firmware/app/object_texts.h"
 #include "sim_board/board/sim_board.h"
 
 namespace koboshi::studio {
@@ -117,7 +116,6 @@ void LiveParameters::take_write(const Access& access, const simulation::ObjectAn
     state.in_force = info.object->value(info.object->raw(*access.value));
     state.is_known = true;
     state.refusal.clear();
-    state.waits = info.effect == app::kAtNextWalk && said_ == behaviour::State::kWalking;
   } else {
     state.refusal = bus::text_of(answer.abort);
   }
@@ -131,13 +129,6 @@ void LiveParameters::take_read(const Access& access, const simulation::ObjectAns
   changes_.back().before.is_pending = false;
   state.in_force = value_of(table_[access.index], answer.data);
   state.is_known = true;
-}
-
-bool LiveParameters::follow(behaviour::State said) {
-  if (std::exchange(said_, said) == said || said == behaviour::State::kWalking) return false;
-  bool changed = false;
-  for (State& state : states_) changed = std::exchange(state.waits, false) || changed;
-  return changed;
 }
 
 }  // namespace koboshi::studio

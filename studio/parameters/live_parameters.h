@@ -28,8 +28,6 @@ class LiveParameters {
     bool is_known = false;
     bool is_pending = false;  // a write is under way
     std::string refusal;      // of the last write, in the words of CiA 301; empty: accepted
-    // Accepted, and not yet used: the effect of the parameter comes later, at the next walk for instance.
-    bool waits = false;
   };
 
   // Numbers of requests from here on: others on the same bus count from 1.
@@ -51,9 +49,6 @@ class LiveParameters {
   void write(std::size_t index, double value);
   // Returns the parameter that an answer is about, if any.
   std::optional<std::size_t> take_answer(const simulation::ObjectAnswer& answer);
-  // Follows the controller's state, which decides when accepted values are used. Returns whether a state has
-  // changed.
-  bool follow(behaviour::State state);
 
  private:
   struct Access {
@@ -80,7 +75,6 @@ class LiveParameters {
   std::map<std::uint64_t, Access> accesses_;
   std::vector<Change> changes_;  // in order of time
   std::uint64_t last_number_;
-  behaviour::State said_ = behaviour::State::kBoot;
 };
 
 }  // namespace koboshi::studio

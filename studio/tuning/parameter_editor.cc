@@ -239,11 +239,6 @@ void ParameterEditor::take_answer(const simulation::ObjectAnswer& answer) {
   }
 }
 
-void ParameterEditor::follow(behaviour::State state) {
-  for (OpenFile& one : files_)
-    if (one.live->follow(state) && &one == &file()) Q_EMIT all_live_changed();
-}
-
 void ParameterEditor::set_live(bool live) { is_live_ = live; }
 
 void ParameterEditor::apply_all() {

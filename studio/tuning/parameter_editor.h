@@ -84,7 +84,6 @@ class ParameterEditor final : public QObject {  // Large: one function per actio
   void run_attached();
   void run_rewound(std::uint64_t time_us);
   void take_answer(const simulation::ObjectAnswer& answer);
-  void follow(behaviour::State state);
   bool is_connected() const { return connected_; }
   bool is_attached() const { return live_before_bus_.has_value(); }
   bool is_live() const { return is_live_; }

@@ -40,7 +40,7 @@ ParameterPanel::ParameterPanel(QWidget* parent)
       changed_only_(new QCheckBox(tr("Changed"))),
       live_(new QCheckBox(tr("Live"))),
       apply_(new QPushButton(tr("Apply"))),
-      again_(new QPushButton(tr("Walk again"))),
+      again_(new QPushButton(tr("Start again"))),
       area_(new QScrollArea),
       offer_(new OfferBar(this)),
       message_(new QLabel) {
@@ -93,10 +93,6 @@ void ParameterPanel::add_actions() {
       [this] { editor_.reload(); });
   add(tr("Read &from the controller"), tr("Ctrl+Alt+Shift+D"),
       tr("Reads all parameters of the running controller by SDO"), [this] { editor_.read_all(); });
-  add(tr("&Walk again"), tr("Ctrl+Alt+Shift+W"),
-      tr("Stops the robot, and lets it walk again with the new gait"), [this] {
-        if (again_->isEnabled()) Q_EMIT walk_again_wanted();
-      });
 }
 
 QHBoxLayout* ParameterPanel::make_search() {
@@ -126,14 +122,9 @@ QHBoxLayout* ParameterPanel::make_buttons() {
   connect(live_, &QCheckBox::toggled, this, [this](bool on) { editor_.set_live(on); });
   apply_->setToolTip(tr("Writes all values that the running controller does not have"));
   connect(apply_, &QPushButton::clicked, this, [this] { editor_.apply_all(); });
-  again_->setObjectName(QStringLiteral("walk_again"));
-  connect(again_, &QPushButton::clicked, this, [this] {
-    if (editor_.shown() == ParameterEditor::kGait) {
-      Q_EMIT restart_wanted();
-    } else {
-      Q_EMIT walk_again_wanted();
-    }
-  });
+  again_->setObjectName(QStringLiteral("start_again"));
+  again_->setToolTip(tr("Resets the simulation: the gait is compiled with these numbers"));
+  connect(again_, &QPushButton::clicked, this, &ParameterPanel::restart_wanted);
   auto* line = new QHBoxLayout;
   for (QAction* action : {save_, undo_, redo_, reset_}) line->addWidget(button_of(action));
   reset_->setIconText(tr("Reset all"));
@@ -164,10 +155,7 @@ void ParameterPanel::build() {
   }
   grid->setRowStretch(grid->rowCount(), 1);
   area_->setWidget(content);
-  const bool is_gait = editor_.shown() == ParameterEditor::kGait;
-  again_->setText(is_gait ? tr("Start again") : tr("Walk again"));
-  again_->setToolTip(is_gait ? tr("Resets the simulation: the gait is compiled with these numbers")
-                             : tr("Stops the robot, and lets it walk again with the new gait"));
+  again_->setVisible(editor_.shown() == ParameterEditor::kGait);
   overwrites_ = false;
   offer_recovery();
   refresh_file();

@@ -44,8 +44,6 @@ class ParameterPanel final : public QWidget {
   void restart_wanted();
   // A message that the panel shows.
   void told(const QString& text, koboshi::studio::MessageKind kind);
-  // The user wants the robot to stop and to walk again as it did.
-  void walk_again_wanted();
 
  private:
   struct Group {

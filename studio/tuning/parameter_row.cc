@@ -159,8 +159,6 @@ void ParameterRow::show(const ShownParameter& shown) {
   } else if (!live.refusal.empty()) {
     text = tr("refused");
     is_bad = true;
-  } else if (live.waits) {
-    text = QString::fromStdString(info_.effect);
   } else if (differs) {
     text = live.in_force ? tr("in force: %1").arg(QString::fromStdString(info_.text(*live.in_force)))
                          : tr("not set");

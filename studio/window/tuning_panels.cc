@@ -5,7 +5,6 @@
 #include "studio/tuning/compare_panel.h"
 #include "studio/tuning/parameter_panel.h"
 #include "studio/tuning/study_panel.h"
-#include "studio/tuning/walk_again.h"
 
 namespace koboshi::studio {
 namespace {
@@ -27,8 +26,7 @@ TuningPanels::TuningPanels(RunController& run, QObject* parent)
       run_(run),
       parameters_(new ParameterPanel),
       comparison_(new ComparePanel),
-      studies_(new StudyPanel),
-      walk_again_(new WalkAgain(this)) {
+      studies_(new StudyPanel) {
   connect_run();
   connect_panels();
 }
@@ -37,25 +35,17 @@ void TuningPanels::connect_run() {
   ParameterEditor& editor = parameters_->editor();
   connect(&run_, &RunController::opened, this, &TuningPanels::show_opened);
   connect(&run_, &RunController::answered, &editor, &ParameterEditor::take_answer);
-  connect(&run_, &RunController::answered, walk_again_, &WalkAgain::take_answer);
-  connect(&run_, &RunController::rewound, walk_again_, &WalkAgain::cancel);
   connect(&run_, &RunController::rewound, &editor, &ParameterEditor::run_rewound);
-  connect(&run_, &RunController::status_changed, &editor, [this, &editor] {
-    if (run_.session() != nullptr) editor.follow(run_.status().said.state);
-  });
   const auto give = [this](const simulation::ObjectRequest& request) { run_.give(request); };
   connect(&editor, &ParameterEditor::requested, this, give);
-  connect(walk_again_, &WalkAgain::requested, this, give);
   run_.set_preparation([&editor] { return editor.preparation(); });
 }
 
 void TuningPanels::connect_panels() {
   ParameterEditor& editor = parameters_->editor();
   comparison_->set_edited([&editor] { return editor.preparation(); });
-  connect(parameters_, &ParameterPanel::walk_again_wanted, walk_again_, &WalkAgain::start);
   connect(parameters_, &ParameterPanel::restart_wanted, this, &TuningPanels::restart_wanted);
   const auto fail = [this](const QString& error) { Q_EMIT told(error, MessageKind::kError); };
-  connect(walk_again_, &WalkAgain::failed, this, fail);
   connect(comparison_, &ComparePanel::failed, this, fail);
   connect(studies_, &StudyPanel::failed, this, fail);
   connect(studies_, &StudyPanel::adopted, this, &TuningPanels::adopt);
@@ -80,7 +70,6 @@ bool TuningPanels::shows_gait(const fs::path& gait) const {
 
 void TuningPanels::show_opened() {
   ParameterEditor& editor = parameters_->editor();
-  walk_again_->cancel();
   if (Session* session = run_.session()) {
     const simulation::Scenario& scenario = session->scenario();
     set_robot(*run_.robot());

@@ -13,7 +13,6 @@ class ComparePanel;
 class ParameterPanel;
 class RunController;
 class StudyPanel;
-class WalkAgain;
 
 // The panels of parameters, comparisons and studies, connected with the run and with each other.
 class TuningPanels final : public QObject {
@@ -49,7 +48,6 @@ class TuningPanels final : public QObject {
   ParameterPanel* const parameters_;
   ComparePanel* const comparison_;
   StudyPanel* const studies_;
-  WalkAgain* const walk_again_;
 };
 
 }  // namespace koboshi::studio

@@ -6,6 +6,7 @@
 #include "firmware/canopen/frame.h"
 #include "firmware/fixed/host/convert.h"
 #include "tests/support/controller_bench.h"
+#include "tests/support/sdo_pc.h"
 
 namespace koboshi::app {
 namespace {
@@ -87,6 +88,30 @@ TEST_F(ControllerWalk, AcceptsAVelocityWhileWalking) {
   send({200, 0, 0});
   bench.run_ms(2'000);
   EXPECT_GT(stride_rad(), 1.5 * on_the_spot_rad);
+}
+
+TEST_F(ControllerWalk, TakesAWrittenStepTimeWithItsNextStep) {
+  test::SdoPc pc{bench};
+  // Returns the cycles between two steps onto the right foot.
+  const auto cycles_of_two_steps = [this] {
+    const auto is_right = [this] { return (bench.values().balance.flags & kPlanIsInRight) != 0; };
+    int cycles = 0;
+    for (int change = 0; change < 2; ++change) {
+      const bool was_right = is_right();
+      for (; cycles < 200 && is_right() == was_right; ++cycles) bench.run_ms(10);
+    }
+    return cycles;
+  };
+  bench.command(Command::kWalk);
+  bench.run_ms(kGetsReady_ms);
+  cycles_of_two_steps();  // up to the beginning of a step
+  EXPECT_EQ(cycles_of_two_steps(), 2 * bench.values().walk.step.time_ms / 10);
+  ASSERT_EQ(pc.write({0x2130, 1}, 320, 2), canopen::AbortCode::kNone);
+  cycles_of_two_steps();
+  EXPECT_EQ(cycles_of_two_steps(), 64);
+  EXPECT_EQ(bench.now().state, State::kWalking);
+  EXPECT_EQ(pc.write({0x2130, 1}, 601, 2), canopen::AbortCode::kValueTooHigh);
+  EXPECT_EQ(cycles_of_two_steps(), 64);
 }
 
 TEST_F(ControllerWalk, EndsAtTheStandingTargetsOnStop) {

@@ -56,14 +56,14 @@ TEST(Gait, ConvertsTheParametersToQuantities) {
   EXPECT_NEAR(to_double(gait.max_forward), 0.13, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.max_lateral), 0.125, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.min_lateral), 0.058, kLengthLsb_m);
-  EXPECT_NEAR(to_double(gait.com_height), 0.1675, kLengthLsb_m);
+  EXPECT_NEAR(to_double(gait.carriage.com_height), 0.1675, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.zmp_forward), -0.0094, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.zmp_inward), -0.0006, kLengthLsb_m);
-  EXPECT_NEAR(to_double(gait.pitch), 2.0 * M_PI / 16, 1e-9);
-  EXPECT_NEAR(to_double(gait.pitch_at_1_m_per_s), -2.0 * M_PI / 8, 1e-9);
-  EXPECT_NEAR(to_double(gait.compliance.pitch), 1.285, 2e-9);
-  EXPECT_NEAR(to_double(gait.compliance.roll), 0.399, 2e-9);
-  EXPECT_NEAR(to_double(gait.arm_swing), -0.15, 1e-9);
+  EXPECT_NEAR(to_double(gait.carriage.pitch), 2.0 * M_PI / 16, 1e-9);
+  EXPECT_NEAR(to_double(gait.carriage.pitch_at_1_m_per_s), -2.0 * M_PI / 8, 1e-9);
+  EXPECT_NEAR(to_double(gait.carriage.compliance.pitch), 1.285, 2e-9);
+  EXPECT_NEAR(to_double(gait.carriage.compliance.roll), 0.399, 2e-9);
+  EXPECT_NEAR(to_double(gait.carriage.arm_swing), -0.15, 1e-9);
   EXPECT_NEAR(to_double(gait.capture_forward), 0.27, 1e-9);
   EXPECT_NEAR(to_double(gait.capture_lateral), 1.5, 1e-9);
   EXPECT_NEAR(to_double(gait.dead_band), 0.0059, kLengthLsb_m);
@@ -136,9 +136,10 @@ TEST(Speed, LeansInProportionToSpeed) {
   parameters.posture.trunk_pitch_by_speed = 0x1000;
   const Gait gait(parameters);
   Speed speed;
-  EXPECT_EQ(speed.lean(gait), gait.pitch);
+  EXPECT_EQ(speed.lean(gait.carriage), gait.carriage.pitch);
   for (int tick = 0; tick < 100; ++tick) speed.approach({-250, 100, 100}, gait);
-  EXPECT_NEAR(to_double(speed.lean(gait)), to_double(gait.pitch) - 0.25 * 2.0 * M_PI / 16, 2e-9);
+  EXPECT_NEAR(to_double(speed.lean(gait.carriage)), to_double(gait.carriage.pitch) - 0.25 * 2.0 * M_PI / 16,
+              2e-9);
 }
 
 }  // namespace

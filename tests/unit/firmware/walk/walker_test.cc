@@ -300,6 +300,118 @@ TEST(Walker, RepeatsAWalkAfterAnotherWalk) {
   EXPECT_TRUE(play(again) == told);
 }
 
+// Greatest height of the swing foot above the sole of the other one in the next step, in m.
+double lift_m(WalkingRobot& robot) {
+  double most_m = 0.0;
+  const std::size_t landed = robot.landings.size();
+  while (robot.landings.size() == landed) {
+    robot.advance();
+    if (const auto swing = robot.swing_side())
+      most_m = std::max(most_m, robot.posed().sole(*swing, other(*swing)).z);
+  }
+  return most_m;
+}
+
+TEST(Walker, TakesChangedParametersWithItsNextStep) {
+  WalkingRobot robot;
+  ASSERT_TRUE(robot.advance_until_landing());
+  EXPECT_NEAR(lift_m(robot), 0.020, 0.5e-3);
+  for (int tick = 0; tick < 8; ++tick) robot.advance();
+  robot.parameters.step.height = 300;
+  robot.parameters.step.time_ms = 300;
+  robot.parameters.step.width = 700;
+  EXPECT_NEAR(lift_m(robot), 0.020, 0.5e-3);  // of the step that had begun
+  EXPECT_NEAR(lift_m(robot), 0.030, 0.5e-3);
+  for (int step = 0; step < 6; ++step) ASSERT_TRUE(robot.advance_until_landing());
+  const auto& last = robot.landings.back();
+  EXPECT_EQ(last.tick - robot.landings[robot.landings.size() - 2].tick, 30);
+  EXPECT_NEAR(std::abs(last.p.y), 0.070, 1e-4);
+}
+
+// As if the walk had begun with them, once the gait has become periodic.
+TEST(Walker, WalksWithChangedParametersAsOneThatBeganWithThem) {
+  auto changed = rigid();
+  changed.step.time_ms = 240;
+  changed.posture.com_height = 1650;
+  changed.posture.trunk_pitch = 300;
+  changed.posture.zmp_inward = 0;
+  WalkingRobot other_robot;
+  for (int tick = 0; tick < 200; ++tick) other_robot.advance({100, 0, 0});
+  other_robot.parameters = changed;
+  WalkingRobot robot(changed);
+  const auto last_step_m = [](WalkingRobot& walking) {
+    for (int step = 0; step < 20; ++step) EXPECT_TRUE(walking.advance_until_landing({100, 0, 0}));
+    return walking.landings.back().p;
+  };
+  const test::Point one = last_step_m(robot);
+  const test::Point two = last_step_m(other_robot);
+  EXPECT_NEAR(one.x, two.x, 1e-4);
+  EXPECT_NEAR(std::abs(one.y), std::abs(two.y), 1e-4);
+  EXPECT_NEAR(to_double(robot.walker.pitch()), to_double(other_robot.walker.pitch()), 1e-9);
+}
+
+TEST(Walker, KeepsItsGaitWhileTheParametersAreNone) {
+  WalkingRobot changed;
+  WalkingRobot robot;
+  for (int tick = 0; tick < 400; ++tick) {
+    if (tick == 100) {
+      changed.parameters.step.height = 300;
+      changed.parameters.step.min_lateral =
+          static_cast<std::int16_t>(changed.parameters.step.max_lateral + 1);
+    }
+    changed.advance({100, 0, 0});
+    robot.advance({100, 0, 0});
+    ASSERT_EQ(changed.targets(), robot.targets()) << tick;
+  }
+}
+
+// Each alone, to the other end of what is sensible. By no more than a walk without changes, and 0.5 rad/s.
+TEST(Walker, MovesNoJointByAJumpWhenTheCarriageChanges) {
+  const auto change = [](WalkParameters& parameters, int number) {
+    switch (number) {
+      case 0:
+        parameters.posture.com_height = 1600;
+        break;
+      case 1:
+        parameters.posture.trunk_pitch = 1500;
+        break;
+      case 2:
+        parameters.posture.trunk_pitch_by_speed = 2000;
+        break;
+      case 3:
+        parameters.posture.pitch_compliance = 1200;
+        break;
+      case 4:
+        parameters.posture.roll_compliance = 600;
+        break;
+      default:
+        parameters.posture.arm_swing = 1000;
+    }
+  };
+  const auto fastest = [&](int number) {
+    WalkingRobot robot;
+    for (int tick = 0; tick < 200; ++tick) robot.advance({150, 0, 0});
+    if (number >= 0) change(robot.parameters, number);
+    std::vector<Angle> last = robot.targets();
+    std::vector<double> most_rad_per_s(last.size());
+    for (int tick = 0; tick < 100; ++tick) {
+      robot.advance({150, 0, 0});
+      for (std::size_t joint = 0; joint < last.size(); ++joint)
+        most_rad_per_s[joint] = std::max(
+            most_rad_per_s[joint], std::abs(to_double(robot.targets()[joint] - last[joint])) / kTickLength_s);
+      last = robot.targets();
+    }
+    return most_rad_per_s;
+  };
+  const std::vector<double> usual_rad_per_s = fastest(-1);
+  for (int number = 0; number < 6; ++number) {
+    const std::vector<double> changed_rad_per_s = fastest(number);
+    for (std::size_t joint = 0; joint < usual_rad_per_s.size(); ++joint)
+      EXPECT_LE(changed_rad_per_s[joint], usual_rad_per_s[joint] + 0.5)
+          << "change " << number << ", joint " << joint;
+  }
+}
+
 TEST(Walker, SwingsEachArmWithTheOppositeFoot) {
   auto parameters = rigid();
   parameters.posture.arm_swing = 1'000;

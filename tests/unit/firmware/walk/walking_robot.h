@@ -48,8 +48,8 @@ class WalkingRobot {
     double yaw_rad;
   };
 
-  explicit WalkingRobot(const walk::WalkParameters& parameters = rigid())
-      : standing(model.joint_count), walker(model) {
+  explicit WalkingRobot(const walk::WalkParameters& gait = rigid())
+      : parameters(gait), standing(model.joint_count), walker(model) {
     for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
       const auto leg = model.leg(side);
       standing[leg[2]] = degrees(-16);
@@ -91,6 +91,7 @@ class WalkingRobot {
   std::vector<fixed::Angle> targets() const { return {walker.targets().begin(), walker.targets().end()}; }
 
   robot::RobotModel model = load_test_robot();
+  walk::WalkParameters parameters;  // of the walk, which takes changes
   std::vector<fixed::Angle> standing;
   walk::Walker walker;
   std::vector<Landing> landings;
