@@ -18,6 +18,7 @@
 #include "lab/trial/getting_up.h"
 #include "lab/trial/motion_measure.h"
 #include "lab/trial/scenario_trial.h"
+#include "lab/tune/checked_motions.h"
 #include "lab/tune/cma_es.h"
 #include "lab/tune/infeasible.h"
 #include "lab/tune/lost_trials.h"
@@ -282,7 +283,7 @@ class StudySearch {
     });
   }
 
-  Evaluation begin(const std::vector<double>& x) const {
+  Evaluation begin(const std::vector<double>& x) {
     Evaluation evaluation{.candidate = {.numbers = values_at(study_.numbers, x)}};
     try {
       evaluation.experiment = make_experiment(evaluation.candidate.numbers, evaluation.durations_s);
@@ -361,7 +362,7 @@ class StudySearch {
 
  public:
   // The experiment of these parameters. Throws InputError for infeasible ones.
-  Experiment make_experiment(const std::vector<double>& numbers, std::vector<double>& durations_s) const {
+  Experiment make_experiment(const std::vector<double>& numbers, std::vector<double>& durations_s) {
     std::vector<std::string> texts;
     std::vector<Override> shared = options_.overrides;
     for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -375,6 +376,7 @@ class StudySearch {
       for (const Override& item : overrides) texts.insert(texts.end(), {item.path, item.value});
       scenarios.push_back(simulation::read_scenario(study_.scenario, overrides));
       scenarios.back().world = {simulation::world_named(study_.world), std::nullopt};
+      motions_.check(scenarios.back());
       durations_s.push_back(1e-6 * static_cast<double>(scenarios.back().duration_us));
       experiment.cells.push_back({.name = trial.name, .settings = {{"trial", trial.name}}});
     }
@@ -403,6 +405,7 @@ class StudySearch {
   const StudyOptions& options_;
   SearchTrials& trials_;
   const ShowProgress progress_;
+  CheckedMotions motions_;
   Search search_;
   LostTrials lost_;
 };
@@ -438,7 +441,7 @@ std::string study_inputs(const Study& study, const StudyOptions& options) {
   StudyOptions silent = options;
   silent.out.clear();
   const auto none = make_no_trials();
-  const StudySearch search(study, silent, *none, {});
+  StudySearch search(study, silent, *none, {});
   std::vector<double> durations_s;
   return search.make_experiment(search.start_values(), durations_s).inputs;
 }
