@@ -276,7 +276,7 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
          .repeated(3, sizeof(std::int32_t)),
      {.name = "Known gyro bias", .unit = kBiasUnit, .elements = canopen::kAxes}},
     canopen::heading(0x2130, "Steps", "How the robot walks. Without a gait it refuses to walk.",
-                     kWithNextStep),
+                     kWithinTwoSteps),
     {OBJECT(0x2130, 1, walk.step.time_ms, kReadWrite).within(100, 600),
      {.name = "Step time", .unit = kTimeUnit, .comment = "Rounded down to whole cycles of 10 ms."}},
     {OBJECT(0x2130, 2, walk.step.double_support, kReadWrite).within(0, 500),
@@ -319,7 +319,7 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
       .comment =
           "Added to each step forward: by it the feet of a robot that steps on the spot land behind."}},
     canopen::heading(0x2131, "Walking posture", "In force when the robot begins to walk the next time.",
-                     kWithNextStep),
+                     kWithinTwoSteps),
     {OBJECT(0x2131, 1, walk.posture.com_height, kReadWrite).within(500, 10000),
      {.name = "CoM height",
       .unit = kShortLengthUnit,
@@ -354,7 +354,7 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
           "1: the plan of the centre of mass takes waist, arms and head at joint angles zero; 0: where "
           "they are."}},
     canopen::heading(0x2132, "Walking reactions", "In force when the robot begins to walk the next time.",
-                     kWithNextStep),
+                     kWithinTwoSteps),
     {OBJECT(0x2132, 1, walk.reaction.capture_forward, kReadWrite).within(0, 1500),
      {.name = "Capture forward",
       .unit = kShareUnit,

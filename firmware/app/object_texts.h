@@ -14,7 +14,7 @@
 namespace koboshi::app {
 
 // When a written parameter takes effect, unless at once.
-inline constexpr std::string_view kWithNextStep = "with the next step";
+inline constexpr std::string_view kWithinTwoSteps = "within two steps";
 inline constexpr std::string_view kAtNextSoftStart = "at the next soft start";
 inline constexpr std::string_view kAtNextAttempt = "at the next attempt to get up";
 inline constexpr std::string_view kOnlyWhileLimp = "at once, refused unless limp";

@@ -10,7 +10,7 @@
 namespace koboshi::walk {
 
 // Parameters of the walk, as the object dictionary holds them. Lengths in 0.1 mm, angles in 2^-16 turn,
-// shares in permille. A walk takes a change with its next step (Walker). 0 in a value that the dictionary
+// shares in permille. A walk takes a change within two steps (Walker). 0 in a value that the dictionary
 // does not allow to be 0 means that it is not set. The values belong to the robot:
 // robots/ROBOT/parameters.yaml.
 struct WalkParameters {

@@ -26,7 +26,7 @@ namespace {
 
 constexpr Ratio kTurnsPerRad = literal<Ratio>(1.0L / kRadPerTurn);
 // In which the carriage goes over to changed parameters: 0.25 s, by hand, 2026-11-29. 10 mm of height then
-// make no joint of the default robot faster by more than 0.4 rad/s; at once they would by 25.
+// make no joint of the default robot faster by more than 0.7 rad/s; at once they would by 25.
 constexpr std::int32_t kCarriageTicks = 25;
 // The ramp from bent knees to standing: 0.5 s, by hand, 2026-11-22.
 constexpr std::int32_t kRampTicks = 50;
@@ -77,13 +77,23 @@ std::int32_t rest_ticks(Ratio time_constant_s) {
   return static_cast<std::int32_t>((ticks_raw + kOne.raw() - 1) / kOne.raw());
 }
 
+Footsteps footsteps_of(const Gait& gait, const Pendulum& pendulum) {
+  return Footsteps(gait.step_width - gait.zmp_inward * 2,
+                   pendulum.growth(static_cast<std::size_t>(gait.step_ticks)),
+                   pendulum.lag(gait.double_ticks));
+}
+
 // The same point in the frame of `sole`.
 Point seen_from(const Foothold& sole, Point p) { return turned(p - sole.p, -sole.yaw); }
 
 }  // namespace
 
 Walker::Walker(const robot::RobotModel& model)
-    : model_(model), body_(model), pendulum_(gait_.carriage.com_height), footsteps_({}, {}, {}) {
+    : model_(model),
+      body_(model),
+      pendulum_(gait_.carriage.com_height),
+      footsteps_({}, {}, {}),
+      landing_on_{footsteps_, {}, {}} {
   using enum robot::JointRole;
   const std::array roles{kLeftShoulderPitch, kRightShoulderPitch};
   for (std::size_t side = 0; side < roles.size(); ++side) {
@@ -98,6 +108,7 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
   KOBOSHI_ASSERT(is_possible() && targets.size() == model_.joint_count);
   parameters_ = &parameters;
   use(parameters);
+  changes_.reset();
   carriage_ = gait_.carriage;
   carriage_ticks_left_ = 0;
   std::ranges::copy(targets, standing_targets_.begin());
@@ -132,16 +143,27 @@ void Walker::use(const WalkParameters& parameters) {
   // Legs without hip yaw cannot turn the robot back to its heading.
   if (!robot::can_turn(model_)) gait_.heading_hold = Ratio();
   pendulum_ = Pendulum(gait_.carriage.com_height);
-  footsteps_ = Footsteps(gait_.step_width - gait_.zmp_inward * 2,
-                         pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks)),
-                         pendulum_.lag(gait_.double_ticks));
+  footsteps_ = footsteps_of(gait_, pendulum_);
+  landing_on_ = {.footsteps = footsteps_, .zmp_forward = gait_.zmp_forward, .zmp_inward = gait_.zmp_inward};
 }
 
-// Where the feet are, and where the ZMP and the DCM are going, belongs to the step that ends; the next one is
-// planned with the new parameters from there. The means of the DCM error stay: they follow in ten steps.
-void Walker::use_changes() {
+// The foot that is about to swing already lands where the next step needs it by the new parameters. Landing
+// by the old ones, and then staying twice as long in double support, widened the next step by 60 mm, and the
+// robot fell.
+void Walker::look_for_changes() {
   if (*parameters_ == in_force_ || !is_gait(*parameters_)) return;
-  use(*parameters_);
+  changes_ = *parameters_;
+  const Gait gait(*changes_);
+  landing_on_ = {.footsteps = footsteps_of(gait, Pendulum(gait.carriage.com_height)),
+                 .zmp_forward = gait.zmp_forward,
+                 .zmp_inward = gait.zmp_inward};
+}
+
+// The means of the DCM error stay: they follow in ten steps.
+void Walker::use_changes() {
+  if (!changes_) return;
+  use(*changes_);
+  changes_.reset();
   carriage_ticks_left_ = kCarriageTicks;
   if (!gait_.follows_upper_body) body_.set_upper_body({});
 }
@@ -230,6 +252,7 @@ void Walker::run_weight_shift() {
   if (!arrived && tick_ < kMaxShiftTicks) return;
   last_zmp_ = foot;
   liftoff_ = landing_ = stance_.soles[swing_side()];
+  look_for_changes();
   enter(Phase::kStepping);
 }
 
@@ -372,10 +395,10 @@ void Walker::plan_landing() {
   const Foothold nominal = footsteps_.step(swing, stride_);
   const Gain growth = pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks - tick_));
   const Point end = scaled(com_.dcm + captured() - stance_.zmp, growth);
-  const Point zmp = stance_.zmp + scaled(end, footsteps_.widening()) -
-                    turned(footsteps_.offset_at_once(swing, stride_), nominal.yaw / 2);
+  const Point zmp = stance_.zmp + scaled(end, landing_on_.footsteps.widening()) -
+                    turned(landing_on_.footsteps.offset_at_once(swing, stride_), nominal.yaw / 2);
   const bool left = swing == Side::kLeft;
-  const Point under{gait_.zmp_forward, left ? -gait_.zmp_inward : gait_.zmp_inward};
+  const Point under{landing_on_.zmp_forward, left ? -landing_on_.zmp_inward : landing_on_.zmp_inward};
   const Point sole = zmp - turned(under, nominal.yaw);
   const Length lateral = std::clamp(left ? sole.y : -sole.y, gait_.min_lateral, gait_.max_lateral);
   landing_ = {.p = {std::clamp(sole.x, -gait_.max_forward, gait_.max_forward), left ? lateral : -lateral},
@@ -471,6 +494,7 @@ void Walker::end_step() {
   const std::int32_t patience = std::clamp<std::int32_t>(last_steps_ - kPatientSteps + 1, 1, kMostApart);
   const bool side_by_side = fixed::abs(left_behind.p.x) < kSideBySide * patience;
   use_changes();
+  look_for_changes();
   enter(stops && side_by_side ? Phase::kClosingStep : Phase::kStepping);
 }
 

@@ -71,10 +71,10 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   // Returns whether the legs can walk.
   [[nodiscard]] bool is_possible() const { return body_.has_legs(); }
   // Begins a walk from standing at `targets`, one angle a joint, to which it returns in the end. `parameters`
-  // must be a gait (walk::is_gait), and outlive the walk. The walk takes changes of them with its next step,
-  // but for those that leave no gait. What does not belong to the plan of a step (Carriage) goes over to its
-  // new value within a quarter of a second, so that no joint jumps.
-  // `support`: the foot that bears the robot in the first step.
+  // must be a gait (walk::is_gait), and outlive the walk. The walk takes changes of them with its next step
+  // but one, except those that leave no gait. What does not belong to the plan of a step (Carriage) goes
+  // over to its new value within a quarter of a second, so that no joint jumps. `support`: the foot that
+  // bears the robot in the first step.
   void start(const WalkParameters& parameters, std::span<const fixed::Angle> targets,
              hal::Side support = hal::Side::kLeft);
   // Brings the robot to a stand: it slows down, puts its feet side by side and ends the walk.
@@ -153,7 +153,8 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
 
   void enter(Phase phase);
   void use(const WalkParameters& parameters);
-  // Uses the parameters if they have changed and are a gait.
+  // At the beginning of a step: notes changed parameters, if they are a gait, for the step after it.
+  void look_for_changes();
   void use_changes();
   void carry();
   void run_preparing();
@@ -195,11 +196,18 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   hal::BySide<Shoulder> shoulders_{};
   const WalkParameters* parameters_ = nullptr;  // of the caller
   WalkParameters in_force_;
+  std::optional<WalkParameters> changes_;  // of which the present step prepares the next one
   Gait gait_;
   Carriage carriage_;  // that of the gait, or on its way there
   std::int32_t carriage_ticks_left_ = 0;
   Pendulum pendulum_;
   Footsteps footsteps_;
+  // The same, and the ZMP under the sole, of the step that follows.
+  struct Landing {
+    Footsteps footsteps;
+    fixed::Length zmp_forward;
+    fixed::Length zmp_inward;
+  } landing_on_;
 
   Phase phase_ = Phase::kIdle;
   bool stopping_ = false;

@@ -27,7 +27,7 @@ struct Parameter {
   // Lowest value that the controller accepts, in wire units.
   std::int64_t low() const;
   std::int64_t high() const;
-  // When a written value takes effect: "at once", "with the next step".
+  // When a written value takes effect: "at once", "within two steps".
   std::string_view effect() const;
   // Converts a value from the unit of the key to the nearest one on the wire, and back. The range is not
   // checked.

@@ -19,7 +19,7 @@ struct ParameterInfo {
   std::string group;    // heading above it
   std::string unit;     // empty: without one
   std::string meaning;  // one sentence; may be empty
-  std::string effect;   // when a change takes effect: "at once", "with the next step"
+  std::string effect;   // when a change takes effect: "at once", "within two steps"
   double low = 0.0;
   double high = 0.0;
   // Values are whole multiples of 1 / steps_per_unit: what the controller distinguishes, or for a gait a

@@ -106,7 +106,7 @@ TEST(LiveParameters, ReachAControllerThatBoots) {
   EXPECT_EQ(run.live.state(at("fall_lead_ms")).in_force, 150.0);
 }
 
-// A walking robot takes a new gait with its next step.
+// A walking robot takes a new gait within two steps.
 TEST(LiveParameters, OfTheGaitChangeTheWalkOfARobot) {
   LiveRun run;
   LiveRun other;

@@ -61,7 +61,7 @@ TEST(ParameterTable, HasEveryParameterOfTheControllerButTheNetworks) {
   EXPECT_EQ(lead.fallback, 0.0);
   EXPECT_EQ(lead.effect, "at once");
   EXPECT_EQ(lead.meaning, "How far ahead the lean is predicted.");
-  EXPECT_EQ(table[index_of(table, "step_time_ms").value()].effect, "with the next step");
+  EXPECT_EQ(table[index_of(table, "step_time_ms").value()].effect, "within two steps");
   EXPECT_FALSE(table[index_of(table, "step_time_ms").value()].fallback);
   EXPECT_EQ(table[index_of(table, "mounting_roll_deg").value()].effect, "at once, refused unless limp");
   for (const ParameterInfo& info : table) EXPECT_LT(info.low, info.high) << info.key;

@@ -170,7 +170,7 @@ class TuningTest final : public QObject {
     QVERIFY2(speed_m_per_s() < 0.12, qPrintable(QString::number(speed_m_per_s())));
     QCOMPARE(read(parameters_file()), before);
 
-    // The walk takes the numbers of its steps with the next one.
+    // The walk takes the numbers of its steps within two of them.
     panels_->parameters().row(at("step_height_mm")).box()->setValue(26.0);
     while_running_until([&] { return in_force("step_height_mm") == std::optional(26.0); });
     QTRY_COMPARE(panels_->parameters().row(at("step_height_mm")).live_text(), QStringLiteral("✓"));

@@ -90,7 +90,7 @@ TEST_F(ControllerWalk, AcceptsAVelocityWhileWalking) {
   EXPECT_GT(stride_rad(), 1.5 * on_the_spot_rad);
 }
 
-TEST_F(ControllerWalk, TakesAWrittenStepTimeWithItsNextStep) {
+TEST_F(ControllerWalk, TakesAWrittenStepTimeWithinTwoSteps) {
   test::SdoPc pc{bench};
   // Returns the cycles between two steps onto the right foot.
   const auto cycles_of_two_steps = [this] {

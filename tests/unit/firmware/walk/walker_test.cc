@@ -312,7 +312,7 @@ double lift_m(WalkingRobot& robot) {
   return most_m;
 }
 
-TEST(Walker, TakesChangedParametersWithItsNextStep) {
+TEST(Walker, TakesChangedParametersWithinTwoSteps) {
   WalkingRobot robot;
   ASSERT_TRUE(robot.advance_until_landing());
   EXPECT_NEAR(lift_m(robot), 0.020, 0.5e-3);
@@ -321,6 +321,7 @@ TEST(Walker, TakesChangedParametersWithItsNextStep) {
   robot.parameters.step.time_ms = 300;
   robot.parameters.step.width = 700;
   EXPECT_NEAR(lift_m(robot), 0.020, 0.5e-3);  // of the step that had begun
+  EXPECT_NEAR(lift_m(robot), 0.020, 0.5e-3);  // whose foot lands for the new one
   EXPECT_NEAR(lift_m(robot), 0.030, 0.5e-3);
   for (int step = 0; step < 6; ++step) ASSERT_TRUE(robot.advance_until_landing());
   const auto& last = robot.landings.back();
@@ -365,7 +366,21 @@ TEST(Walker, KeepsItsGaitWhileTheParametersAreNone) {
   }
 }
 
-// Each alone, to the other end of what is sensible. By no more than a walk without changes, and 0.5 rad/s.
+// A longer double support with the landing of a shorter one widened the steps by 60 mm; so it is one by 6 mm.
+TEST(Walker, LandsForTheChangedParametersBeforeItUsesThem) {
+  auto parameters = rigid();
+  parameters.step.time_ms = 240;
+  parameters.step.double_support = 70;
+  WalkingRobot robot(parameters);
+  for (int step = 0; step < 10; ++step) ASSERT_TRUE(robot.advance_until_landing({200, 0, 0}));
+  robot.parameters.step.double_support = 200;
+  for (int step = 0; step < 10; ++step) {
+    ASSERT_TRUE(robot.advance_until_landing({200, 0, 0}));
+    EXPECT_NEAR(std::abs(robot.landings.back().p.y), kWidth_m, 10e-3) << step;
+  }
+}
+
+// Each alone, to the other end of what is sensible. By no more than a walk without changes, and 1 rad/s.
 TEST(Walker, MovesNoJointByAJumpWhenTheCarriageChanges) {
   const auto change = [](WalkParameters& parameters, int number) {
     switch (number) {
@@ -407,7 +422,7 @@ TEST(Walker, MovesNoJointByAJumpWhenTheCarriageChanges) {
   for (int number = 0; number < 6; ++number) {
     const std::vector<double> changed_rad_per_s = fastest(number);
     for (std::size_t joint = 0; joint < usual_rad_per_s.size(); ++joint)
-      EXPECT_LE(changed_rad_per_s[joint], usual_rad_per_s[joint] + 0.5)
+      EXPECT_LE(changed_rad_per_s[joint], usual_rad_per_s[joint] + 1.0)
           << "change " << number << ", joint " << joint;
   }
 }
