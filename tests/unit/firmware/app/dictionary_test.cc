@@ -25,6 +25,24 @@ TEST(ControllerDictionary, GivesEachObjectBytesOfItsOwn) {
   test::expect_separate_values(kControllerNode.rows, kTwice);
 }
 
+// Programs of others know only the numbers (docs/reference/object-dictionary.md).
+TEST(ControllerDictionary, HasTheFlagsOfItsPage) {
+  EXPECT_EQ(kLeftZmpValid, 0x01);
+  EXPECT_EQ(kRightZmpValid, 0x02);
+  EXPECT_EQ(kZmpValid, 0x04);
+  EXPECT_EQ(kFrameIsRight, 0x08);
+  EXPECT_EQ(kPlannedZmpValid, 0x10);
+  EXPECT_EQ(kPlanIsInRight, 0x20);
+  EXPECT_EQ(kLeftContact, 0x40);
+  EXPECT_EQ(kRightContact, 0x80);
+  EXPECT_EQ(kComValid, 0x01);
+  EXPECT_EQ(kComIsInRight, 0x02);
+  EXPECT_EQ(kDcmErrorValid, 0x04);
+  EXPECT_EQ(kLeftTouches, 0x08);
+  EXPECT_EQ(kRightTouches, 0x10);
+  EXPECT_EQ(kGroundValid, 0x01);
+}
+
 // Without parameters in storage nothing moves the robot by itself.
 TEST(ControllerDictionary, IsNeutralAtFirst) {
   ControllerValues values;

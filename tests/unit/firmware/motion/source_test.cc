@@ -17,12 +17,12 @@ using test::MotionBuilder;
 
 class SourceTest : public InterpreterTest {
  protected:
-  // The number that a program reads into a variable.
+  // The number that a program reads into a variable, after a wait: the first steps are executed by the start.
   std::int32_t read(const Inputs& inputs, Source source, std::uint8_t index = 0) {
     const Assignment assignment{.from_source = true, .right = SourceRef{source, index}.packed()};
     MotionBuilder builder(model_);
     builder.variable_count = 1;
-    start(builder.step(assignment.step()).step(kEnd));
+    start(builder.step(kWait, 0, kTick_us).step(assignment.step()).step(kEnd));
     interpreter_.advance(kTick_us, inputs);
     return interpreter_.variables()[0];
   }
