@@ -114,17 +114,6 @@ TEST_F(ControllerWalk, TakesAWrittenStepTimeWithinTwoSteps) {
   EXPECT_EQ(cycles_of_two_steps(), 64);
 }
 
-// Object 2000 is the first one that does not configure the node, and 2130 a parameter: a master that has
-// verified the configuration by 1020 sees that it has changed.
-TEST_F(ControllerWalk, ByObjectLeavesTheVerificationOfTheConfiguration) {
-  test::SdoPc pc{bench};
-  ASSERT_EQ(pc.write({0x1020, 1}, 15'000, 4), canopen::AbortCode::kNone);
-  ASSERT_EQ(pc.write({0x2000, 1}, static_cast<std::int32_t>(Command::kWalk), 1), canopen::AbortCode::kNone);
-  EXPECT_EQ(pc.read({0x1020, 1}), 15'000u);
-  ASSERT_EQ(pc.write({0x2130, 1}, 240, 2), canopen::AbortCode::kNone);
-  EXPECT_EQ(pc.read({0x1020, 1}), 0u);
-}
-
 TEST_F(ControllerWalk, EndsAtTheStandingTargetsOnStop) {
   const auto standing = targets();
   send({150, 30, 300});

@@ -71,7 +71,7 @@ TEST_F(SourceTest, ReadsEachSource) {
   EXPECT_EQ(read(Source::kInput, kInputCount - 1), -14);
   EXPECT_EQ(read(Source::kStopping), 0);
   EXPECT_EQ(read(Source::kWalking), 0);
-  EXPECT_EQ(read(Source::kTime), 0);
+  EXPECT_EQ(read(Source::kTime), 10);  // ms, after the wait
   state_.feet = {};
   state_.feet[1].contact = true;
   state_.zmp.valid = false;
