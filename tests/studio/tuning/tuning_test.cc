@@ -293,7 +293,7 @@ class TuningTest final : public QObject {
     dock("comparison")->raise();
     studio.resizeDocks({dock("comparison")}, {400}, Qt::Vertical);
     studio.resizeDocks({dock("parameters")}, {500}, Qt::Horizontal);
-    parameters->findChild<QLineEdit*>()->setText(QStringLiteral("walk step"));
+    parameters->findChild<QLineEdit*>()->setText(QStringLiteral("step"));
     auto* compare = studio.findChild<ComparePanel*>();
     QSignalSpy started(compare, &ComparePanel::started);
     compare->start();
