@@ -84,7 +84,7 @@ struct WalkParameters {
 // in order.
 [[nodiscard]] bool is_gait(const WalkParameters& parameters);
 
-// What the plan of a step does not depend on, but the joints of its poses.
+// The quantities that shape the poses of a walk. After a change, the poses approach the new ones gradually.
 struct Carriage {
   fixed::Length com_height;
   fixed::Angle pitch;

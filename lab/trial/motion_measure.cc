@@ -59,7 +59,7 @@ void PushUps::observe(const simulation::Simulation& simulation, const simulation
     }
     return;
   }
-  // What carries the robot on its trunk or its knees is no rise: the next one is measured from there.
+  // A trunk that rises while it or the knees bear the robot is not pushed up. The next rise begins from here.
   if (height_m < turn_m_ || lies(simulation)) turn_m_ = height_m;
   if (height_m < turn_m_ + kRise_m) return;
   is_up_ = true;
