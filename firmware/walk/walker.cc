@@ -77,12 +77,6 @@ std::int32_t rest_ticks(Ratio time_constant_s) {
   return static_cast<std::int32_t>((ticks_raw + kOne.raw() - 1) / kOne.raw());
 }
 
-Footsteps footsteps_of(const Gait& gait, const Pendulum& pendulum) {
-  return Footsteps(gait.step_width - gait.zmp_inward * 2,
-                   pendulum.growth(static_cast<std::size_t>(gait.step_ticks)),
-                   pendulum.lag(gait.double_ticks));
-}
-
 // The same point in the frame of `sole`.
 Point seen_from(const Foothold& sole, Point p) { return turned(p - sole.p, -sole.yaw); }
 
@@ -143,8 +137,16 @@ void Walker::use(const WalkParameters& parameters) {
   // Legs without hip yaw cannot turn the robot back to its heading.
   if (!robot::can_turn(model_)) gait_.heading_hold = Ratio();
   pendulum_ = Pendulum(gait_.carriage.com_height);
-  footsteps_ = footsteps_of(gait_, pendulum_);
-  landing_on_ = {.footsteps = footsteps_, .zmp_forward = gait_.zmp_forward, .zmp_inward = gait_.zmp_inward};
+  landing_on_ = landing_for(gait_, pendulum_);
+  footsteps_ = landing_on_.footsteps;
+}
+
+Walker::Landing Walker::landing_for(const Gait& gait, const Pendulum& pendulum) {
+  return {.footsteps = Footsteps(gait.step_width - gait.zmp_inward * 2,
+                                 pendulum.growth(static_cast<std::size_t>(gait.step_ticks)),
+                                 pendulum.lag(gait.double_ticks)),
+          .zmp_forward = gait.zmp_forward,
+          .zmp_inward = gait.zmp_inward};
 }
 
 // The foot that is about to swing already lands where the next step needs it by the new parameters. Landing
@@ -154,9 +156,7 @@ void Walker::look_for_changes() {
   if (*parameters_ == in_force_ || !is_gait(*parameters_)) return;
   changes_ = *parameters_;
   const Gait gait(*changes_);
-  landing_on_ = {.footsteps = footsteps_of(gait, Pendulum(gait.carriage.com_height)),
-                 .zmp_forward = gait.zmp_forward,
-                 .zmp_inward = gait.zmp_inward};
+  landing_on_ = landing_for(gait, Pendulum(gait.carriage.com_height));
 }
 
 // The means of the DCM error stay: they follow in ten steps.

@@ -139,6 +139,12 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
     kClosingStep,
     kSettling,
   };
+  // What a landing needs to know of the gait that begins with it.
+  struct Landing {
+    Footsteps footsteps;
+    fixed::Length zmp_forward;  // as in Gait
+    fixed::Length zmp_inward;
+  };
   // The plan of one cycle.
   struct Planned {
     Point dcm;
@@ -153,6 +159,7 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
 
   void enter(Phase phase);
   void use(const WalkParameters& parameters);
+  [[nodiscard]] static Landing landing_for(const Gait& gait, const Pendulum& pendulum);
   // At the beginning of a step: notes changed parameters, if they are a gait, for the step after it.
   void look_for_changes();
   void use_changes();
@@ -202,12 +209,7 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   std::int32_t carriage_ticks_left_ = 0;
   Pendulum pendulum_;
   Footsteps footsteps_;
-  // The same, and the ZMP under the sole, of the step that follows.
-  struct Landing {
-    Footsteps footsteps;
-    fixed::Length zmp_forward;
-    fixed::Length zmp_inward;
-  } landing_on_;
+  Landing landing_on_;  // of the step that follows
 
   Phase phase_ = Phase::kIdle;
   bool stopping_ = false;
