@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -66,7 +67,11 @@ std::size_t for_each_parallel(std::size_t count, std::size_t jobs,
   Tasks tasks(count, task, go_on);
   {
     std::vector<std::jthread> threads;
-    for (std::size_t i = 0; i < std::min(jobs, count); ++i) threads.emplace_back([&] { tasks.work(); });
+    try {
+      for (std::size_t i = 0; i < std::min(jobs, count); ++i) threads.emplace_back([&] { tasks.work(); });
+    } catch (const std::system_error&) {
+      if (threads.empty()) throw;  // the system starts no more threads: those that run do all of it
+    }
   }
   return tasks.finish();
 }

@@ -1,11 +1,16 @@
 #include "simulation/batch/workers.h"
 
+#include <system_error>
 #include <utility>
 
 namespace koboshi::simulation {
 
 Workers::Workers(std::size_t threads) {
-  for (std::size_t i = 1; i < threads; ++i) threads_.emplace_back([this] { wait_for_rounds(); });
+  try {
+    for (std::size_t i = 1; i < threads; ++i) threads_.emplace_back([this] { wait_for_rounds(); });
+  } catch (const std::system_error&) {
+    // The system starts no more threads: those that wait, and the caller, do the work.
+  }
 }
 
 Workers::~Workers() {

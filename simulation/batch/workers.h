@@ -14,7 +14,7 @@ namespace koboshi::simulation {
 // tasks. The caller is one of the threads.
 class Workers {
  public:
-  // `threads` >= 1, the caller included.
+  // `threads` >= 1, the caller included; fewer if the system starts no more.
   explicit Workers(std::size_t threads);
   ~Workers();
   Workers(const Workers&) = delete;

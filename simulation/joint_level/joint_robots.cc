@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace koboshi::simulation {
 
 JointRobots::JointRobots(const Scenario& scenario, std::span<const std::uint64_t> seeds, std::size_t threads)
-    : workers_(threads), robots_(seeds.size()) {
+    : workers_(std::min(threads, std::max<std::size_t>(seeds.size(), 1))), robots_(seeds.size()) {
   if (seeds.empty()) throw std::invalid_argument("found no seed, expected one for each robot");
   if (threads == 0) throw std::invalid_argument("found 0 threads, expected at least 1");
   const auto prepared = prepare_joint_level(scenario);

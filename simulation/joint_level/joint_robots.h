@@ -15,7 +15,8 @@ namespace koboshi::simulation {
 // state: each gives the same bits as alone.
 class JointRobots {
  public:
-  // One robot for each seed, at least one; `threads` >= 1. Throws as prepare_joint_level and JointRobot do.
+  // One robot for each seed, at least one; `threads` >= 1, of which as many as robots are used. Throws as
+  // prepare_joint_level and JointRobot do.
   JointRobots(const Scenario& scenario, std::span<const std::uint64_t> seeds, std::size_t threads);
 
   [[nodiscard]] std::size_t size() const { return robots_.size(); }

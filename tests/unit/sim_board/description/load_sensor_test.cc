@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/text/error.h"
 #include "sim_board/description/load.h"
 #include "tests/unit/base/scratch_file.h"
 #include "tests/unit/sim_board/description/small_robot.h"

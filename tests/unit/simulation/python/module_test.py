@@ -3,6 +3,7 @@
 import ast
 import csv
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -369,6 +370,12 @@ class Robot(unittest.TestCase):
                 robot.step(targets)
         with self.assertRaisesRegex(koboshi.InputError, "commands"):
             koboshi.Robot("go")
+
+    def test_starts_no_more_threads_than_robots(self):
+        before = len(os.listdir("/proc/self/task"))
+        robots = koboshi.Robots("joints", seeds=[4, 8, 15], threads=1_000_000, stepper="lumped")
+        self.assertLessEqual(len(os.listdir("/proc/self/task")), before + 2)
+        self.assertEqual(len(robots), 3)
 
     def test_many_are_those_of_their_seeds(self):
         robots = koboshi.Robots("joints", seeds=[4, 8, 15], threads=2, stepper="lumped")
