@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -15,10 +18,7 @@
 #include "simulation/motion_language/parse/parse.h"
 #include "simulation/scenario/paths.h"
 #include "tools/motion_check/check.h"
-#include "tools/motion_files/convert.h"
-#include "tools/motion_files/flatten.h"
-#include "tools/motion_files/retarget.h"
-#include "tools/motion_files/retarget_targets.h"
+#include "tools/motion_files/retarget_program.h"
 
 namespace koboshi::cli {
 namespace {
@@ -45,6 +45,28 @@ std::string verdict_text(const std::string& robot, const tools::MotionReport& re
   return text + fmt::format(", {:.2f} s, {}\n", report.duration_s, count_text(errors, "error"));
 }
 
+// Checks the motion, and with `retime` gives moves the time that the check's paths need: the first one begins
+// in the standing pose, and others behind labels and calls.
+tools::MotionReport checked(tools::RetargetedMotion& motion, const std::filesystem::path& file,
+                            tools::MotionChecker& robot, bool retime) {
+  constexpr int kMostRounds = 5;
+  for (int round = 0;; ++round) {
+    tools::MotionReport report = robot.check(robot.compile(simulation::read_motion_text(file, motion.text)));
+    std::map<std::pair<int, int>, double> fast;  // share of the speed limit, by line and column
+    for (const tools::PathReport& path : report.paths) {
+      for (const tools::StepReport& step : path.steps) {
+        double& share = fast[{report.places[step.step].line, report.places[step.step].column}];
+        share = std::max(share, step.speed.share);
+      }
+    }
+    const std::string before = motion.text;
+    for (const auto& [place, share] : fast)
+      if (retime && round < kMostRounds && share > 1.0)
+        tools::slow_down_move(motion, file, robot.model(), place.first, place.second, share);
+    if (motion.text == before) return report;
+  }
+}
+
 int retarget(const MotionRetargetArguments& arguments) {
   const auto from_file = simulation::find_input(simulation::InputKind::kRobot, arguments.from);
   const auto to_file = simulation::find_input(simulation::InputKind::kRobot, arguments.to);
@@ -52,33 +74,26 @@ int retarget(const MotionRetargetArguments& arguments) {
   tools::MotionChecker from(from_file);
   tools::MotionChecker to(to_file);
   const tools::MotionReport before = from.check(file);
-  const tools::ForeignMotion motion = [&] {
-    tools::ForeignMotion frames =
-        tools::flatten_motion(simulation::parse_motion(file, from.model()), from.model());
-    frames.format = tools::MotionFormat::kOwn;
-    return frames;
-  }();
   tools::ConversionOptions options{.retime = arguments.retime, .largest_clamp_rad = {}};
   if (arguments.clamp_deg) options.largest_clamp_rad = kRadPerDegree * *arguments.clamp_deg;
-  const tools::ConvertedMotion converted = [&] {
-    if (!arguments.by_targets)
-      return tools::convert_motion(
-          file, motion, tools::retarget_joints(file, motion, from.robot(), to.robot()), to.model(), options);
-    const tools::ForeignMotion solved =
-        tools::retarget_targets(file, motion, {from.robot(), from.model()}, {to.robot(), to.model()});
-    return tools::convert_motion(file, solved, tools::same_joints(to.model()), to.model(), options);
-  }();
+  tools::RetargetedMotion result =
+      tools::retarget_program(simulation::read_motion_file(file), {from.robot(), from.model()},
+                              {to.robot(), to.model()}, arguments.by_targets, options);
   std::error_code missing;
   if (std::filesystem::equivalent(file, arguments.out, missing))
     throw InputError(arguments.out, 0, "the input as the output", "another file for the result");
-  for (const std::string& line : converted.report) print_error("{}: {}\n", file.string(), utf8_line(line));
-  if (converted.too_fast > converted.stretched)
-    throw InputError(
-        file, 0, count_text(converted.too_fast, "move") + " too fast for the servos of " + to.robot().name,
-        "moves that they can do (--retime gives them the time)");
-  const tools::MotionReport after =
-      to.check(to.compile(simulation::read_motion_text(arguments.out, converted.text)));
-  write_whole_file(arguments.out, converted.text);
+  const auto print_report = [&] {
+    for (const std::string& line : result.report) print_error("{}: {}\n", file.string(), utf8_line(line));
+  };
+  if (result.too_fast > result.stretched) {
+    print_report();
+    throw InputError(file, 0,
+                     count_text(result.too_fast, "move") + " too fast for the servos of " + to.robot().name,
+                     "moves that they can do (--retime gives them the time)");
+  }
+  const tools::MotionReport after = checked(result, arguments.out, to, arguments.retime);
+  print_report();
+  write_whole_file(arguments.out, result.text);
   fmt::print("before  {}after   {}", verdict_text(from.robot().name, before),
              verdict_text(to.robot().name, after));
   return after.has_errors() ? 1 : 0;
@@ -92,9 +107,10 @@ void add_motion_retarget_command(CLI::App& motion_command, Invocation& invocatio
       motion_command.add_subcommand("retarget", "Turn a motion of one robot into one of another");
   command->footer(
       R"(Gives each joint the angles of the joint with the same role in the other robot (koboshi model map), within its limits.
-With --by targets, puts soles, trunk, centre of mass and hands of each key frame where they are on the first robot, in
-lengths of its legs and arms, and computes the angles; for robots of other proportions. Prints the verdict of koboshi
-motion check for both robots (docs/reference/motion-import.md). Exit status 1 if the check finds an error in the result.
+Loops, conditions, routines and settings stay as they are. With --by targets, puts soles, trunk, centre of mass and hands
+of each pose where they are on the first robot, in lengths of its legs and arms, and computes the angles; for robots of
+other proportions. Prints the verdict of koboshi motion check for both robots (docs/reference/motion-import.md). Exit
+status 1 if the check finds an error in the result.
 
 Examples:
   koboshi motion retarget wave --from koboshi --to koboshi --retime -o wave_here.yaml

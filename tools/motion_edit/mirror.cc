@@ -10,6 +10,7 @@
 #include "base/yaml/yaml_tree.h"
 #include "simulation/motion_language/parse/expression.h"
 #include "simulation/motion_language/parse/sensors.h"
+#include "tools/motion_edit/sensor_text.h"
 
 namespace koboshi::tools {
 namespace {
@@ -201,10 +202,6 @@ class Mirror {
   std::vector<Edit> edits_;
 };
 
-bool is_word_letter(char letter) {
-  return std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '_';
-}
-
 }  // namespace
 
 std::string exchange_left_and_right(const std::string& name) {
@@ -230,56 +227,16 @@ std::string exchange_left_and_right(const std::string& name) {
 }
 
 std::string mirror_expression(std::string_view text, const JointNames& joints) {
-  std::string result;
-  // Whether the last token ends an operand, so that a minus after it subtracts.
-  bool after_operand = false;
-  constexpr std::size_t kNone = std::string::npos;
-  std::size_t sign = kNone;  // place in `result` of a unary minus directly before this token
-  for (std::size_t i = 0; i < text.size();) {
-    if (!is_word_letter(text[i])) {
-      const char letter = text[i++];
-      if (letter == '-' && !after_operand) {
-        sign = result.size();
-      } else if (letter != ' ') {
-        sign = kNone;
-      }
-      // The quotes around the text are not part of it.
-      if (letter != ' ' && letter != '"' && letter != '\'') after_operand = letter == ')';
-      result += letter;
-      continue;
+  return replace_sensors(text, [&](const Sensor& sensor, std::string_view joint_name) {
+    SensorText image{.sensor = std::string(sensor.name), .joint = std::string(joint_name)};
+    image.is_opposite = sensor.mirror == Sensor::Mirror::kOpposite;
+    if (sensor.mirror == Sensor::Mirror::kOtherSide) image.sensor = other_side(image.sensor);
+    if (const auto joint = joints.find(joint_name)) {
+      image.joint = joints.name(joints.mirror(*joint));
+      image.is_opposite = joints.mirror_sign(*joint) < 0;
     }
-    std::size_t end = i;
-    while (end < text.size() && is_word_letter(text[end])) ++end;
-    std::string word(text.substr(i, end - i));
-    i = end;
-    const bool is_operator = word == "and" || word == "or" || word == "not";
-    bool opposite = false;
-    if (const Sensor* sensor = simulation::find_sensor(std::string_view(word))) {
-      opposite = sensor->mirror == Sensor::Mirror::kOpposite;
-      if (sensor->mirror == Sensor::Mirror::kOtherSide) word = other_side(word);
-      const std::size_t open = text.find_first_not_of(' ', i);
-      if (sensor->index == Sensor::Index::kJoint && open != std::string_view::npos && text[open] == '(') {
-        std::size_t begin = open + 1;
-        while (begin < text.size() && !is_word_letter(text[begin])) ++begin;
-        std::size_t last = begin;
-        while (last < text.size() && is_word_letter(text[last])) ++last;
-        if (const auto joint = joints.find(text.substr(begin, last - begin))) {
-          word += std::string(text.substr(i, begin - i)) + joints.name(joints.mirror(*joint));
-          opposite = joints.mirror_sign(*joint) < 0;
-          i = last;
-        }
-      }
-    }
-    if (opposite && sign != kNone) {
-      result.erase(sign, 1);
-    } else if (opposite) {
-      word.insert(0, "-");
-    }
-    result += word;
-    sign = kNone;
-    after_operand = !is_operator;
-  }
-  return result;
+    return image;
+  });
 }
 
 std::string mirror_motion(const std::filesystem::path& source, const std::string& text,

@@ -11,6 +11,8 @@
 #include "base/text/text.h"
 #include "base/text/user_units.h"
 #include "firmware/fixed/host/convert.h"
+#include "tools/motion_files/limit_clamp.h"
+#include "tools/motion_files/motion_text.h"
 
 namespace koboshi::tools {
 namespace {
@@ -18,7 +20,6 @@ namespace {
 constexpr std::int64_t kFirstMove_us = 1'000'000;
 constexpr std::int64_t kShortestMove_us = 1'000;
 constexpr std::int64_t kLongestStep_us = 60'000'000;
-constexpr double kUsableSpeed = 0.9;     // of a servo's speed without load; a loaded one is slower
 constexpr double kCubicPeakRatio = 1.5;  // peak to mean speed of a cubic from rest to rest
 constexpr std::size_t kMaxPoses = 512;
 // Half a step of a 12-bit encoder: what a frame may differ from a straight move and be left out.
@@ -47,21 +48,17 @@ struct Section {
   std::vector<Move> moves;
 };
 
-std::string degrees(double angle_rad) {
-  double rounded = std::round(1e3 * angle_rad / kRadPerDegree) / 1e3;
-  if (rounded == 0.0) rounded = 0.0;  // no minus zero
-  return fmt::format("{:g}", rounded);
-}
-
 double lean_rad(std::int16_t angle) { return std::ldexp(2.0 * std::numbers::pi * angle, -16); }
-
-std::string seconds(std::int64_t time_us) { return fmt::format("{:g}", 1e-6 * static_cast<double>(time_us)); }
 
 class Conversion {
  public:
   Conversion(const std::filesystem::path& file, const JointMap& map, const simulation::NamedModel& robot,
              const ConversionOptions& options)
-      : file_(file), map_(map), robot_(robot), options_(options) {}
+      : file_(file),
+        map_(map),
+        robot_(robot),
+        options_(options),
+        clamp_(file, robot, options.largest_clamp_rad) {}
 
   ConvertedMotion run(const ForeignMotion& motion) {
     for (const ForeignNote& note : motion.notes) result_.report.push_back(note.place + ": " + note.text);
@@ -75,36 +72,13 @@ class Conversion {
       sections_.push_back(std::move(section));
     }
     write(motion);
+    result_.clamped = clamp_.count();
     return std::move(result_);
   }
 
  private:
   void report(const std::string& place, const std::string& text) {
     result_.report.push_back(place + ": " + text);
-  }
-
-  double clamped(std::size_t joint, double angle_rad, const std::string& place) {
-    const robot::Joint& limits = robot_.model.joints[joint];
-    const double lower_rad = fixed::to_double(limits.lower);
-    const double upper_rad = fixed::to_double(limits.upper);
-    const double bounded_rad = std::clamp(angle_rad, lower_rad, upper_rad);
-    const double beyond_rad = std::abs(angle_rad - bounded_rad);
-    if (beyond_rad == 0.0) return angle_rad;
-    // A robot that was turned by hand to a stop measures it within a step of its encoder.
-    const double noise_rad = robot_.encoder_steps_rad[joint];
-    if (options_.largest_clamp_rad && beyond_rad > std::max(*options_.largest_clamp_rad, noise_rad))
-      throw InputError(
-          file_, 0,
-          fmt::format("{}: {} at {} degrees, {} beyond its limit", place, robot_.joint_names[joint],
-                      degrees(angle_rad), degrees(beyond_rad)),
-          fmt::format("at most {} degrees beyond it (--clamp)", degrees(*options_.largest_clamp_rad)));
-    // The rounding of a converted limit is no change that anybody needs to know.
-    if (beyond_rad > 5e-4 * kRadPerDegree) {
-      ++result_.clamped;
-      report(place, fmt::format("{} {} -> {} degrees, its limit", robot_.joint_names[joint],
-                                degrees(angle_rad), degrees(bounded_rad)));
-    }
-    return bounded_rad;
   }
 
   void add(const ForeignFrame& frame, Section& section) {
@@ -119,8 +93,9 @@ class Conversion {
     for (std::size_t i = 0; i < map_.joints.size(); ++i) {
       if (!map_.joints[i] || !frame.values[i]) continue;
       const MappedJoint& mapped = *map_.joints[i];
-      move.angles[mapped.joint] = clamped(
-          mapped.joint, mapped.sign * (*frame.values[i] - mapped.zero) * mapped.unit_rad, frame.place);
+      move.angles[mapped.joint] =
+          clamp_(mapped.joint, mapped.sign * (*frame.values[i] - mapped.zero) * mapped.unit_rad, frame.place,
+                 result_.report);
     }
     for (const std::size_t i : frame.without_torque) {
       if (map_.joints[i]) move.limp.insert(map_.joints[i]->joint);
@@ -239,9 +214,6 @@ class Conversion {
     return name.empty() ? "imported" : name;
   }
 
-  // Quoted, so that no name is anything else in YAML.
-  static std::string quoted(const std::string& text) { return '"' + text + '"'; }
-
   void write(const ForeignMotion& motion) {
     std::string& text = result_.text;
     std::size_t poses = 0;
@@ -249,10 +221,9 @@ class Conversion {
     if (poses > kMaxPoses)
       throw InputError(file_, 0, fmt::format("{} poses, of which no straight move replaces another", poses),
                        fmt::format("at most {}", kMaxPoses));
-    text += fmt::format(
-        "# {} from {}{}, {}.\n", motion.format == MotionFormat::kOwn ? "Retargeted" : "Imported",
-        one_line(file_.filename().string()),
-        motion.page > 0 ? fmt::format(", page {}", motion.page) : std::string(), name_of(motion.format));
+    text += fmt::format("# Imported from {}{}, {}.\n", one_line(file_.filename().string()),
+                        motion.page > 0 ? fmt::format(", page {}", motion.page) : std::string(),
+                        name_of(motion.format));
     text += fmt::format("version: 2\nrobot: {}\nname: {}\n", quoted(robot_.robot),
                         quoted(motion_name(motion, file_)));
     if (motion.is_smooth) text += "interpolation: cubic\n";
@@ -315,6 +286,7 @@ class Conversion {
   const JointMap& map_;
   const simulation::NamedModel& robot_;
   const ConversionOptions& options_;
+  LimitClamp clamp_;
   std::vector<Section> sections_;
   bool begun_ = false;
   ConvertedMotion result_;

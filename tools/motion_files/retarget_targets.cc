@@ -145,18 +145,17 @@ class Retargeter {
       for (ForeignFrame& frame : section.frames) retarget(frame);
     }
     if (lying_ > 0)
-      note(fmt::format("{} of {} key frames, in which the robot does not stand on its soles, by joint angles",
+      note(fmt::format("{} of {} poses, in which the robot does not stand on its soles, by joint angles",
                        lying_, frames_));
     if (lowered_ > 0)
-      note(fmt::format(
-          "hips lowered in {} of {} key frames, at most by {:.0f} %, because the legs do not reach", lowered_,
-          frames_, 100.0 * kLowering * most_lowered_));
+      note(fmt::format("hips lowered in {} of {} poses, at most by {:.0f} %, because the legs do not reach",
+                       lowered_, frames_, 100.0 * kLowering * most_lowered_));
     if (unreached_legs_ > 0)
-      note(fmt::format("legs by joint angles in {} of {} key frames, because they do not reach",
-                       unreached_legs_, frames_));
+      note(fmt::format("legs by joint angles in {} of {} poses, because they do not reach", unreached_legs_,
+                       frames_));
     if (missed_hands_ > 0)
-      note(fmt::format("hands as close as they reach in {} of {} key frames, at most {:.0f} mm off",
-                       missed_hands_, frames_, most_missed_m_ * kMmPerM));
+      note(fmt::format("hands as close as they reach in {} of {} poses, at most {:.0f} mm off", missed_hands_,
+                       frames_, most_missed_m_ * kMmPerM));
     return std::move(result_);
   }
 

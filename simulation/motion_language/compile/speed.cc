@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <utility>
 
 #include "base/text/text.h"
 #include "base/text/user_units.h"
@@ -21,17 +23,25 @@ constexpr double kSpeedUnit_rad_per_s = 2.0 * std::numbers::pi / (1 << 24);
 // Bounds the work for nested loops, each of which is walked twice.
 constexpr std::size_t kMaxWalked = 100'000;
 
-class SpeedCheck {
- public:
-  SpeedCheck(const MotionSource& motion, const NamedModel& robot, Diagnostics& diagnostics)
-      : motion_(motion), robot_(robot), diagnostics_(diagnostics), angles_(robot.joint_names.size()) {}
+// Tells the peak speed of each joint in each move.
+using SpeedVisitor = std::function<void(const StepSource& move, std::size_t joint, double rad_per_s)>;
 
+class SpeedWalk {
+ public:
+  SpeedWalk(const MotionSource& motion, std::size_t joints, SpeedVisitor visit)
+      : motion_(motion), visit_(std::move(visit)), angles_(joints) {}
+
+  void all() {
+    routine(motion_.steps);
+    for (const RoutineSource& own : motion_.routines) routine(own.steps);
+  }
+
+ private:
   void routine(const std::vector<StepSource>& steps) {
     forget();
     walk(steps);
   }
 
- private:
   using Kind = StepSource::Kind;
   using Angles = std::vector<std::optional<fixed::Angle>>;
 
@@ -65,7 +75,7 @@ class SpeedCheck {
     walk(step.body);
     // The second pass starts from the pose at the end of the body.
     const bool repeats = step.loop != StepSource::LoopKind::kTimes || step.times != 1;
-    if (repeats && diagnostics_.error_count() == 0) walk(step.body);
+    if (repeats) walk(step.body);
     if (step.loop == StepSource::LoopKind::kWhile) merge(before);
   }
 
@@ -89,8 +99,7 @@ class SpeedCheck {
     const double time_s = time_of(step, pose);
     for (std::size_t i = 0; i < angles_.size(); ++i) {
       if (!pose.angles[i]) continue;
-      if (angles_[i] && !step.at_least)
-        check_joint(step, i, distance_rad(i, pose), time_s * share_of(step, i));
+      if (angles_[i] && !step.at_least) tell(step, i, distance_rad(i, pose), time_s * share_of(step, i));
       angles_[i] = pose.angles[i];
     }
   }
@@ -122,33 +131,49 @@ class SpeedCheck {
                     motion::kMinStepTime_us * 1e-6);
   }
 
-  void check_joint(const StepSource& step, std::size_t joint, double way_rad, double time_s) {
-    if (time_s == 0.0) return;
-    const double speed_rad_per_s = peak_ratio(step) * way_rad / time_s;
-    const double limit_rad_per_s = fixed::to_double(robot_.model.joints[joint].max_speed);
-    if (speed_rad_per_s <= limit_rad_per_s * (1.0 + 1e-9)) return;
-    const auto text = [](double rad_per_s) { return number_text(std::round(rad_per_s * kDegreesPerRad)); };
-    diagnostics_.add(
-        {.code = code::kTooFast,
-         .place = step.place,
-         .found = "a move of " + robot_.joint_names[joint] + " at " + text(speed_rad_per_s) + " degrees/s",
-         .expected = "at most " + text(limit_rad_per_s),
-         .limit = "the speed of " + robot_.joint_names[joint]});
+  void tell(const StepSource& step, std::size_t joint, double way_rad, double time_s) const {
+    if (time_s > 0.0) visit_(step, joint, peak_ratio(step) * way_rad / time_s);
   }
 
   const MotionSource& motion_;
-  const NamedModel& robot_;
-  Diagnostics& diagnostics_;
+  SpeedVisitor visit_;
   Angles angles_;
   std::size_t walked_ = 0;
 };
 
+double limit_rad_per_s(const NamedModel& robot, std::size_t joint) {
+  return fixed::to_double(robot.model.joints[joint].max_speed);
+}
+
 }  // namespace
 
 void check_speeds(const MotionSource& motion, const NamedModel& robot, Diagnostics& diagnostics) {
-  SpeedCheck check(motion, robot, diagnostics);
-  check.routine(motion.steps);
-  for (const RoutineSource& routine : motion.routines) check.routine(routine.steps);
+  const auto text = [](double rad_per_s) { return number_text(std::round(rad_per_s * kDegreesPerRad)); };
+  SpeedWalk(motion, robot.joint_names.size(),
+            [&](const StepSource& move, std::size_t joint, double rad_per_s) {
+              const double limit = limit_rad_per_s(robot, joint);
+              if (rad_per_s <= limit * (1.0 + 1e-9)) return;
+              diagnostics.add(
+                  {.code = code::kTooFast,
+                   .place = move.place,
+                   .found = "a move of " + robot.joint_names[joint] + " at " + text(rad_per_s) + " degrees/s",
+                   .expected = "at most " + text(limit),
+                   .limit = "the speed of " + robot.joint_names[joint]});
+            })
+      .all();
+}
+
+std::map<const StepSource*, FastestJoint> fastest_joints(const MotionSource& motion,
+                                                         const NamedModel& robot) {
+  std::map<const StepSource*, FastestJoint> moves;
+  SpeedWalk(motion, robot.joint_names.size(),
+            [&](const StepSource& move, std::size_t joint, double rad_per_s) {
+              const double share = rad_per_s / limit_rad_per_s(robot, joint);
+              FastestJoint& fastest = moves[&move];
+              if (share > fastest.share) fastest = {joint, rad_per_s, share};
+            })
+      .all();
+  return moves;
 }
 
 }  // namespace koboshi::simulation

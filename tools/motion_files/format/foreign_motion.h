@@ -22,7 +22,6 @@ enum class MotionFormat {
   kRoboplusPages,  // ROBOTIS, `motion_*.bin`: 256 pages
   kRoboplusXml,    // ROBOTIS R+ Motion, `.mtnx`
   kKondo,          // KONDO HeartToHeart4, `.h4p`
-  kOwn,            // a motion of the motion language, of another robot; never recognised
 };
 
 // The name of a format for messages: "a motion of Webots".

@@ -105,8 +105,6 @@ std::string name_of(MotionFormat format) {
       return "a motion file of ROBOTIS R+";
     case MotionFormat::kKondo:
       return "a motion of KONDO HeartToHeart4";
-    case MotionFormat::kOwn:
-      return "a motion of another robot";
   }
   return "a motion";
 }
