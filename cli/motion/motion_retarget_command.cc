@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -18,6 +19,7 @@
 #include "simulation/motion_language/parse/parse.h"
 #include "simulation/scenario/paths.h"
 #include "tools/motion_check/check.h"
+#include "tools/motion_files/limit_clamp.h"
 #include "tools/motion_files/retarget_program.h"
 
 namespace koboshi::cli {
@@ -45,26 +47,54 @@ std::string verdict_text(const std::string& robot, const tools::MotionReport& re
   return text + fmt::format(", {:.2f} s, {}\n", report.duration_s, count_text(errors, "error"));
 }
 
-// Checks the motion, and with `retime` gives moves the time that the check's paths need: the first one begins
-// in the standing pose, and others behind labels and calls.
+// Checks the motion, and with `retime` gives moves the time with which the check finds them slow enough: the
+// first one begins in the standing pose, and joints need torque beside their speed. A torque that time does
+// not mend is left to the verdict.
 tools::MotionReport checked(tools::RetargetedMotion& motion, const std::filesystem::path& file,
                             tools::MotionChecker& robot, bool retime) {
-  constexpr int kMostRounds = 5;
-  for (int round = 0;; ++round) {
-    tools::MotionReport report = robot.check(robot.compile(simulation::read_motion_text(file, motion.text)));
-    std::map<std::pair<int, int>, double> fast;  // share of the speed limit, by line and column
+  constexpr int kMostRounds = 12;
+  constexpr double kMoreTime = 1.1;   // for a torque, in each round
+  using Place = std::pair<int, int>;  // line and column
+  std::map<Place, double> factors;
+  const auto slowed = [&] {
+    tools::RetargetedMotion result = motion;
+    for (auto move = factors.rbegin(); move != factors.rend(); ++move)  // from the end, so that places stay
+      tools::slow_down_move(result, file, robot.model(), move->first.first, move->first.second, move->second);
+    return result;
+  };
+  const auto check = [&](const tools::RetargetedMotion& candidate) {
+    return robot.check(robot.compile(simulation::read_motion_text(file, candidate.text)));
+  };
+  tools::MotionReport report = check(motion);
+  for (int round = 0; retime && round < kMostRounds; ++round) {
+    std::map<Place, double> more;
+    std::set<Place> weak;
     for (const tools::PathReport& path : report.paths) {
-      for (const tools::StepReport& step : path.steps) {
-        double& share = fast[{report.places[step.step].line, report.places[step.step].column}];
-        share = std::max(share, step.speed.share);
-      }
+      const auto place_of = [&](std::uint16_t step) {
+        return Place{report.places[step].line, report.places[step].column};
+      };
+      for (const tools::StepReport& step : path.steps)
+        if (step.speed.share > 1.0)
+          more[place_of(step.step)] =
+              std::max(more[place_of(step.step)], step.speed.share / tools::kUsableSpeed);
+      for (const tools::Finding& finding : path.findings)
+        if (finding.code == "C003" && finding.severity == simulation::Severity::kError)
+          weak.insert(place_of(finding.step));
     }
-    const std::string before = motion.text;
-    for (const auto& [place, share] : fast)
-      if (retime && round < kMostRounds && share > 1.0)
-        tools::slow_down_move(motion, file, robot.model(), place.first, place.second, share);
-    if (motion.text == before) return report;
+    const bool is_last = round + 1 == kMostRounds;
+    for (const Place& place : weak) {
+      if (is_last)
+        factors.erase(place);
+      else
+        more.emplace(place, kMoreTime);
+    }
+    if (more.empty() && !is_last) break;
+    for (const auto& [place, factor] : more)
+      factors[place] = factors.contains(place) ? factors[place] * factor : factor;
+    report = check(slowed());
   }
+  if (!factors.empty()) motion = slowed();
+  return report;
 }
 
 int retarget(const MotionRetargetArguments& arguments) {

@@ -486,7 +486,7 @@ RetargetedMotion retarget_program(const simulation::MotionFile& file, const Reta
 }
 
 void slow_down_move(RetargetedMotion& motion, const std::filesystem::path& file,
-                    const simulation::NamedModel& robot, int line, int column, double share) {
+                    const simulation::NamedModel& robot, int line, int column, double factor) {
   YamlDocument document(file, motion.text);
   simulation::Diagnostics messages(file, motion.text);
   const YamlNode root = document.tree();
@@ -494,10 +494,10 @@ void slow_down_move(RetargetedMotion& motion, const std::filesystem::path& file,
   messages.throw_errors();
   each_step(root, source, [&](const Keys& place, const YamlNode& node, const StepSource& step) {
     if (step.kind != Kind::kMove || step.place.line != line || step.place.column != column) return;
-    const std::string change = slow_down(document, file, place, node, step, share / kUsableSpeed);
+    const std::string change = slow_down(document, file, place, node, step, factor);
     if (!change.empty())
       motion.report.push_back(
-          fmt::format("move to {}: {}, from where it may begin", name_of(source.poses[step.pose]), change));
+          fmt::format("move to {}: {}, as the check needs it", name_of(source.poses[step.pose]), change));
   });
   motion.text = document.text();
 }

@@ -32,10 +32,10 @@ struct RetargetedMotion {
                                                 const RetargetRobot& to, bool by_targets,
                                                 const ConversionOptions& options = {});
 
-// Gives the move at this place of the text the time that its servos need whose speed is `share` of the limit.
-// Leaves a move with a least time, and other steps, as they are. Throws InputError, naming `file`, for a move
+// Gives the move at this place of the text `factor` times its time, or divides its speed by it. Leaves a move
+// with a least time, and other steps, as they are. Throws InputError, naming `file`, for a move
 // of more than 60 s.
 void slow_down_move(RetargetedMotion& motion, const std::filesystem::path& file,
-                    const simulation::NamedModel& robot, int line, int column, double share);
+                    const simulation::NamedModel& robot, int line, int column, double factor);
 
 }  // namespace koboshi::tools
