@@ -19,13 +19,18 @@ function(koboshi_qt_library name)
   koboshi_use_moc(${name})
 endfunction()
 
+# The macros QTRY_* of Qt 6.8 convert a number of milliseconds to int in the source that uses them. Linked last, so that this
+# option comes after those of koboshi_options.
+add_library(koboshi_qt_test_options INTERFACE)
+target_compile_options(koboshi_qt_test_options INTERFACE -Wno-conversion)
+
 # koboshi_qt_test(NAME [WINDOW_MANAGER] SOURCES ... [DEPS ...]) defines a program of Qt Test, which ctest runs as one test with the label gui. The
 # source has a class with Q_OBJECT, QTEST_MAIN and, at its end, #include "FILE.moc". With WINDOW_MANAGER it runs under one, and
 # can press real keys with xdotool.
 function(koboshi_qt_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "WINDOW_MANAGER" "" "SOURCES;DEPS")
   add_executable(${name} ${arg_SOURCES})
-  target_link_libraries(${name} PRIVATE koboshi_options ${arg_DEPS} Qt6::Test Qt6::Widgets)
+  target_link_libraries(${name} PRIVATE koboshi_options ${arg_DEPS} Qt6::Test Qt6::Widgets koboshi_qt_test_options)
   target_compile_options(${name} PRIVATE ${KOBOSHI_TEST_OPTIONS})
   target_compile_definitions(${name} PRIVATE KOBOSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   koboshi_use_moc(${name})
