@@ -55,6 +55,7 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kCaughtItself, "caught itself"),
     canopen::value_name(Reason::kOnSeat, "on seat"),
     canopen::value_name(Reason::kPushed, "pushed"),
+    canopen::value_name(Reason::kMotionFailed, "motion failed"),
     canopen::value_name(Reason::kModelInvalid, "model invalid"),
     canopen::value_name(Reason::kDriveFault, "drive fault"),
     canopen::value_name(Reason::kImuSilent, "IMU silent"),

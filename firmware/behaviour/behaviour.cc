@@ -347,7 +347,8 @@ void Behaviour::run_source(MotionSource& source, const Cycle& cycle) {
   // A command to walk that came after the closing step had begun is obeyed once the robot stands.
   const bool walks_on = &source == &walk_ && !walk_.stopping();
   if (walks_on && refusal_to_walk(cycle.robot) == Reason::kNone) return begin_walk(hal::Side::kLeft);
-  handle(Event::kEnded, Reason::kProgress, cycle);
+  const bool failed = &source == &player_ && player_.interpreter().failed();
+  handle(Event::kEnded, failed ? Reason::kMotionFailed : Reason::kProgress, cycle);
 }
 
 // A robot that does not sit as its motion expects keeps its torque: limp it would fall.

@@ -143,6 +143,7 @@ enum class Reason : std::uint8_t {
   kCaughtItself = 11,  // it came to rest on its feet after all
   kOnSeat = 12,        // another pose of a robot that lies, as kProne to kOnRightSide
   kPushed = 13,        // steps catch what the soles alone do not
+  kMotionFailed = 14,  // an attitude that it expects, or a wait, was not met, or it says so itself
   // Faults: they lead to State::kFault.
   kModelInvalid = 16,  // no valid RobotModel in storage
   kDriveFault = 17,    // its kind, joint and error code stand beside it

@@ -262,6 +262,11 @@ void EventLog::tell_state(std::uint64_t time_us, const Telemetry& said) {
                                ? "Goes to the standing pose."
                                : "Goes to the standing pose: " + reason_text(said) + ".");
     case State::kStanding:
+      if (said_.state == State::kMotion && said.reason == behaviour::Reason::kMotionFailed) {
+        const std::string failed = motion_name(said_.motion) + " failed at " + seconds_text(time_us);
+        cut_offs_.push_back(failed);
+        return tell("motion_failed", "Stands: the motion " + motion_name(said_.motion) + " has failed.");
+      }
       if (said_.state == State::kMotion) return tell("state", "Stands: the motion has ended.");
       if (said_.state == State::kWalking) return tell("state", "Stands: the walk has ended.");
       if (said_.state == State::kStreaming) return tell("state", "Stands: the stream of targets has ended.");

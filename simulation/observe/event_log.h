@@ -130,7 +130,7 @@ class EventLog {  // Large: one member per kind of event seen last
   std::optional<std::uint64_t> down_us_;  // start of the present recovery
   const char* down_by_ = "";
   std::size_t attempts_ = 0;
-  std::vector<std::string> cut_offs_;  // "bow was cut off at 5.31 s"
+  std::vector<std::string> cut_offs_;  // "bow was cut off at 5.31 s", "bow failed at 5.31 s"
   std::vector<std::string> remarks_;
   std::size_t next_push_ = 0;
   std::vector<bool> begun_;  // faults of the scenario that have begun

@@ -69,7 +69,7 @@ std::string EventLog::verdict(bool controller_is_dead) const {
     for (std::size_t i = 0; i < std::min(clauses.size(), kMaxNamed); ++i) text += "; " + clauses[i];
     if (clauses.size() > kMaxNamed) text += fmt::format("; {} {}", clauses.size() - kMaxNamed, rest);
   };
-  add_first(cut_offs_, "more were cut off");
+  add_first(cut_offs_, "more motions ended early");
   add_first(remarks_, "more pairs of links touch each other");
   if (refused_ > 0) text += "; " + count_text(refused_, "command") + " refused";
   return text + "; " + count_text(said_.emergencies, "fault");

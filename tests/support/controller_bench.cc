@@ -31,7 +31,11 @@ std::vector<std::byte> factory_storage_with_bend() {
   bent[kKnee] = degrees(60);
   const TestMotion bending{
       .name = "bend", .poses = {bent}, .steps = {{Opcode::kMove, 0, 200'000}, {Opcode::kEnd}}};
-  return factory_storage(encode(factory_values(), model.id), {encode(bending, model.id)});
+  const TestMotion failing{.name = "fails",
+                           .poses = {bent},
+                           .steps = {{Opcode::kMove, 0, 200'000}, {Opcode::kFail}, {Opcode::kEnd}}};
+  return factory_storage(encode(factory_values(), model.id),
+                         {encode(bending, model.id), encode(failing, model.id)});
 }
 
 std::vector<std::byte> factory_storage(std::span<const std::byte> parameters,

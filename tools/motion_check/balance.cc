@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/text/user_units.h"
 #include "tools/motion_check/sample.h"
@@ -34,8 +35,12 @@ class BalanceJudge {
     double least_landing_m = std::numeric_limits<double>::infinity();
     std::map<std::uint16_t, std::size_t> worst;
     std::map<std::uint16_t, std::size_t> rolls;
+    std::vector<std::size_t> unjudged;
     for (std::size_t tick = 1; tick < trajectory_.ticks(); ++tick) {
-      if (!trajectory_.on_feet[tick]) continue;
+      if (!trajectory_.on_feet[tick]) {
+        unjudged.push_back(tick);
+        continue;
+      }
       const double margin_m = states_[tick].margin().distance_m;
       if (margin_m < report_.least_margin_m) {
         report_.least_margin_m = margin_m;
@@ -57,6 +62,11 @@ class BalanceJudge {
     if (least_landing_m < limits_.close_m && report_.balance == Balance::kStable)
       report_.balance = Balance::kClose;
     for (const auto& [step, tick] : worst) add_margin(step, tick);
+    if (!unjudged.empty() && !trajectory_.cut)
+      add("C022", Severity::kNote, unjudged.front(),
+          fmt::format("a balance that is not judged for {:.2f} s",
+                      kTick_s * static_cast<double>(unjudged.size())),
+          "an attitude about upright (`expect`) where the robot stands");
     for (const auto& [step, tick] : rolls) {
       if (!states_[tick].rests) continue;
       add("C008", Severity::kWarning, tick,

@@ -30,6 +30,9 @@ constexpr int kMaxVisits = 20;
 constexpr std::size_t kMaxPollingTicks = 6'000;
 // An expected attitude says that the robot stands again if it is this close to upright.
 constexpr double kUpright_rad = 25.0 * std::numbers::pi / 180.0;
+// One about an attitude this close to upright leaves a standing robot standing, whatever its tolerance: a
+// robot that sits leans more.
+constexpr double kStanding_rad = 10.0 * std::numbers::pi / 180.0;
 
 bool begins_on_feet(const motion::Motion& played) {
   const auto name = std::ranges::find(motion::kMotionNames, played.name());
@@ -37,9 +40,10 @@ bool begins_on_feet(const motion::Motion& played) {
          motion::begins_on_feet(static_cast<motion::Role>(name - motion::kMotionNames.begin()));
 }
 
-bool is_upright(const motion::ExpectedAttitude& expected) {
+bool stands_after(const motion::ExpectedAttitude& expected, bool stands) {
   const double up = expected.up_B[2] / 127.0;
-  return up >= std::cos(kUpright_rad) && expected.min_cosine >= 32768.0 * std::cos(kUpright_rad);
+  return (up >= std::cos(kUpright_rad) && expected.min_cosine >= 32768.0 * std::cos(kUpright_rad)) ||
+         (stands && up >= std::cos(kStanding_rad));
 }
 
 // A condition that is come to in a pose: the step and the targets.
@@ -138,7 +142,7 @@ class Player {
       const std::uint16_t step = next.step_index();
       if (!next.failed() || !motion_.is_armed(step)) return next;
       if (motion_.original().opcode(step) == Opcode::kExpect) {
-        on_feet_ = is_upright(motion::ExpectedAttitude::of(motion_.original().step(step)));
+        on_feet_ = stands_after(motion::ExpectedAttitude::of(motion_.original().step(step)), on_feet_);
         motion_.satisfy(step);
         continue;
       }

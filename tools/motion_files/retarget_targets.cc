@@ -43,6 +43,11 @@ constexpr double kLowest = 0.35;
 constexpr double kFarthest = 0.6;
 constexpr double kLowering = 0.01;  // of the height of the hips, in each attempt
 constexpr int kMostLowerings = 20;
+// An elbow that is bent by less is straight: by hand, above what rounded angles differ by.
+constexpr double kStraight_rad = 2.0 * std::numbers::pi / 180.0;
+constexpr double kThere_m =
+    1e-4;  // a hand this close to its target stays: the last bits of a straight arm are free
+constexpr double kBent_rad = 20.0 * std::numbers::pi / 180.0;  // with which the solver begins
 
 // The proportions of a robot, and where its parts are in a pose.
 class Figure {
@@ -57,7 +62,11 @@ class Figure {
     place(zero);
     leg_m = -(sole_B(0).translation() - hips_B()).z();
     hip_width_m = std::abs(sole_B(0).translation().y() - sole_B(1).translation().y());
-    for (std::size_t side = 0; side < 2; ++side) arm_m[side] = arm_length_m(side);
+    for (std::size_t side = 0; side < 2; ++side) {
+      const auto hand = hand_B(side);
+      const auto shoulder = shoulder_B(side);
+      if (hand && shoulder) arm_m[side] = (*hand - *shoulder).norm();
+    }
   }
 
   void place(std::span<const Angle> angles) {
@@ -69,9 +78,11 @@ class Figure {
     return isometry_of(robot::sole_pose(robot_.model, static_cast<hal::Side>(side), X_BLinks_));
   }
   Vector3d hips_B() const { return 0.5 * (vector_of(legs_[0].p_BH_B) + vector_of(legs_[1].p_BH_B)); }
+  // From here to the hand it is as far as the elbow alone decides.
   std::optional<Vector3d> shoulder_B(std::size_t side) const {
-    const auto joint =
-        robot_.model.find(side == 0 ? JointRole::kLeftShoulderPitch : JointRole::kRightShoulderPitch);
+    auto joint = robot_.model.find(side == 0 ? JointRole::kLeftShoulderRoll : JointRole::kRightShoulderRoll);
+    if (!joint)
+      joint = robot_.model.find(side == 0 ? JointRole::kLeftShoulderPitch : JointRole::kRightShoulderPitch);
     if (!joint) return std::nullopt;
     return vector_of(X_BLinks_[*joint].p);
   }
@@ -95,23 +106,10 @@ class Figure {
 
   double leg_m = 0.0;
   double hip_width_m = 0.0;       // between parallel feet at joint angles zero
-  std::array<double, 2> arm_m{};  // from the shoulder to the tip of the hand, stretched; 0: no hand
+  std::array<double, 2> arm_m{};  // from the shoulder to the tip of the hand at joint angles zero; 0: no hand
   Vector3d com_B = Vector3d::Zero();
 
  private:
-  double arm_length_m(std::size_t side) const {
-    if (!robot_.hands[side] || !shoulder_B(side)) return 0.0;
-    const auto first =
-        static_cast<std::size_t>(side == 0 ? JointRole::kLeftShoulderPitch : JointRole::kRightShoulderPitch);
-    double length_m = vector_of(*robot_.hands[side]).norm();
-    for (std::size_t i = 1; i < 3; ++i) {
-      const auto joint = robot_.model.find(static_cast<JointRole>(first + i));
-      if (!joint) return 0.0;
-      length_m += vector_of(robot_.model.joints[*joint].anchor).norm();
-    }
-    return length_m;
-  }
-
   const simulation::NamedModel& robot_;
   std::array<robot::LegGeometry, 2> legs_{};
   robot::LinkPoses X_BLinks_{};
@@ -327,15 +325,37 @@ class Retargeter {
     return target;
   }
 
+  // A stretched arm can bend both ways, and the solver would take either. It begins with an elbow that is
+  // bent as on the first robot, or else forward.
+  void bend_elbow(std::size_t side) {
+    const auto joint = to_.robot().model.find(side == 0 ? JointRole::kLeftElbow : JointRole::kRightElbow);
+    if (!joint) return;
+    Angle& elbow = result_angles_[*joint];
+    const double angle_rad = fixed::to_double(elbow);
+    if (std::abs(angle_rad) >= kBent_rad) return;
+    const auto hand_x_m = [&](double rad) {
+      elbow = robot::clamp_to_limits(to_.robot().model.joints[*joint], fixed::from_double<Angle>(rad));
+      to_.place(result_angles_);
+      return to_.hand_B(side)->x();
+    };
+    const bool is_straight = std::abs(angle_rad) < kStraight_rad;
+    const bool bends_up = is_straight ? hand_x_m(kBent_rad) > hand_x_m(-kBent_rad) : angle_rad > 0.0;
+    static_cast<void>(hand_x_m(bends_up ? kBent_rad : -kBent_rad));
+  }
+
   // Returns the distance that is left, in m; 0: the hand is there, or has no target.
   double solve_hand(std::size_t side) {
     const auto hand_B = from_.hand_B(side);
     const auto shoulder_B = from_.shoulder_B(side);
     if (!hand_B || !shoulder_B || from_.arm_m[side] == 0.0 || to_.arm_m[side] == 0.0) return 0.0;
-    to_.place(result_angles_);
-    const Vector3d target_B =
-        *to_.shoulder_B(side) + to_.arm_m[side] / from_.arm_m[side] * (*hand_B - *shoulder_B);
-    const Vector3d target_S = support_frame(to_, support_).inverse() * target_B;
+    const auto target_B = [&] {
+      to_.place(result_angles_);
+      return Vector3d(*to_.shoulder_B(side) + to_.arm_m[side] / from_.arm_m[side] * (*hand_B - *shoulder_B));
+    };
+    if ((target_B() - *to_.hand_B(side)).norm() < kThere_m) return 0.0;
+    bend_elbow(side);
+    const Vector3d p_B = target_B();
+    const Vector3d target_S = support_frame(to_, support_).inverse() * p_B;
     BodyTargets targets;
     targets.support = support_;
     targets.hands[side].position_m = {target_S.x(), target_S.y(), target_S.z()};

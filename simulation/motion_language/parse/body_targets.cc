@@ -61,23 +61,32 @@ Isometry3d with_target(const Isometry3d& X, const Target& target) {
   return result;
 }
 
-// The three joints of an arm and the tip of its hand.
+// The chain from the trunk to the tip of a hand. The three joints of the arm reach for a target; joints
+// between them and below them, as a waist, stay where they are.
 class Arm {
  public:
   Arm(const NamedModel& robot, std::size_t side) : model_(robot.model) {
-    const JointRole first = side == 0 ? JointRole::kLeftShoulderPitch : JointRole::kRightShoulderPitch;
+    const auto first =
+        static_cast<std::size_t>(side == 0 ? JointRole::kLeftShoulderPitch : JointRole::kRightShoulderPitch);
+    std::optional<std::size_t> elbow;
     for (std::size_t i = 0; i < kArmJoints; ++i) {
-      const auto joint = model_.find(static_cast<JointRole>(static_cast<std::size_t>(first) + i));
-      if (!joint) return;
-      const robot::Joint& hinge = model_.joints[*joint];
-      joints_.push_back(*joint);
+      elbow = model_.find(static_cast<JointRole>(first + i));
+      if (!elbow) return;
+      joints_.push_back(*elbow);
+    }
+    for (int link = static_cast<int>(*elbow); link >= 0; link = model_.joints[path_.back()].parent.raw())
+      path_.push_back(static_cast<std::size_t>(link));
+    std::ranges::reverse(path_);
+    if (path_.size() > mechanics::PointChain::kMaxHinges || !robot.hands[side]) return;
+    for (const std::size_t joint : path_) {
+      const robot::Joint& hinge = model_.joints[joint];
       chain_.hinges.push_back({.anchor_P = vector_of(hinge.anchor),
                                .axis_P = vector_of(hinge.axis),
                                .lower_rad = to_double(hinge.lower),
                                .upper_rad = to_double(hinge.upper)});
     }
-    if (robot.hands[side]) chain_.tip = vector_of(*robot.hands[side]);
-    is_complete_ = robot.hands[side].has_value();
+    chain_.tip = vector_of(*robot.hands[side]);
+    is_complete_ = true;
   }
 
   bool is_complete() const { return is_complete_; }
@@ -87,39 +96,44 @@ class Arm {
 
   // Moves the arm's angles towards the target; returns the distance that is left.
   double reach(const Vector3d& target_B, std::span<Angle> angles) const {
-    Positions best = positions_rad(angles);
-    double distance_m = mechanics::reach_point(chain_, target_B, best);
+    std::vector<double> best = positions_rad(angles);
+    mechanics::PointChain chain = chain_;
+    for (std::size_t i = 0; i < path_.size(); ++i)
+      if (!is_of_arm(i)) chain.hinges[i].lower_rad = chain.hinges[i].upper_rad = best[i];
+    double distance_m = mechanics::reach_point(chain, target_B, best);
     // Other poses of the arm, where the first leads into a limit.
     for (const double share : {0.5, 0.25, 0.75}) {
       if (distance_m < kReached_m) break;
-      Positions q;
-      for (std::size_t i = 0; i < kArmJoints; ++i) {
-        const mechanics::PointChain::Hinge& hinge = chain_.hinges[i];
-        q[i] = hinge.lower_rad + share * (hinge.upper_rad - hinge.lower_rad);
-      }
-      const double other_m = mechanics::reach_point(chain_, target_B, q);
+      std::vector<double> q = best;
+      for (std::size_t i = 0; i < q.size(); ++i)
+        q[i] = std::lerp(chain.hinges[i].lower_rad, chain.hinges[i].upper_rad, share);
+      const double other_m = mechanics::reach_point(chain, target_B, q);
       if (other_m >= distance_m) continue;
       distance_m = other_m;
       best = q;
     }
-    for (std::size_t i = 0; i < kArmJoints; ++i)
-      angles[joints_[i]] =
-          robot::clamp_to_limits(model_.joints[joints_[i]], fixed::from_double<Angle>(best[i]));
+    for (std::size_t i = 0; i < path_.size(); ++i)
+      if (is_of_arm(i))
+        angles[path_[i]] =
+            robot::clamp_to_limits(model_.joints[path_[i]], fixed::from_double<Angle>(best[i]));
     return distance_m;
   }
 
  private:
-  using Positions = std::array<double, kArmJoints>;
+  bool is_of_arm(std::size_t place) const {
+    return std::ranges::find(joints_, path_[place]) != joints_.end();
+  }
 
-  Positions positions_rad(std::span<const Angle> angles) const {
-    Positions q;
-    for (std::size_t i = 0; i < kArmJoints; ++i) q[i] = to_double(angles[joints_[i]]);
+  std::vector<double> positions_rad(std::span<const Angle> angles) const {
+    std::vector<double> q;
+    for (const std::size_t joint : path_) q.push_back(to_double(angles[joint]));
     return q;
   }
 
   const robot::RobotModel& model_;
   std::vector<std::size_t> joints_;
-  mechanics::PointChain chain_;
+  std::vector<std::size_t> path_;  // from the trunk to the elbow
+  mechanics::PointChain chain_;    // of the path
   bool is_complete_ = false;
 };
 

@@ -143,7 +143,12 @@ bool SettingParser::mix(const YamlNode& value, std::vector<motion::Mix>& setting
   const std::size_t errors = reader_.diagnostics().error_count();
   for (const YamlNode& item : value.items) {
     const auto left = joints_.find_left(item.key);
-    const auto mask = joints_.find(item.key) || left ? joints(item, item.key) : joints(item, item.key + " ");
+    if (!joints_.find(item.key) && !left && joints_.mask(item.key) != 0) {
+      reader_.error(code::kUnknownJoint, Reader::key_place(item), "the group '" + item.key + "'",
+                    "joints, each with its gains");
+      continue;
+    }
+    const auto mask = joints(item, item.key);
     if (!mask || !reader_.is_map(item)) continue;
     std::vector<std::string> known(kMixSources.begin(), kMixSources.end());
     known.emplace_back("limit_deg");

@@ -63,6 +63,13 @@ bool ValueParser::assignments(const YamlNode& value, std::vector<Assignment>& as
                     "use `if` to choose between two values.");
       continue;
     }
+    const bool divides = assignment.operation == motion::Arithmetic::kDivide ||
+                         assignment.operation == motion::Arithmetic::kRemainder;
+    if (divides && parsed->is_integer() && parsed->value == 0) {
+      reader_.error(code::kDivisionByZero, Reader::value_place(item), "a division by zero",
+                    "another divisor");
+      continue;
+    }
     assignment.value = std::move(*parsed);
     assignments.push_back(std::move(assignment));
   }

@@ -6,7 +6,7 @@ const EVENT_LOOKS = {
   push: {mark: "◆", colour: MARKS.push}, release: {mark: "◇", colour: "#00825f"},
   state: {mark: "|", colour: "#6b7280"}, end: {mark: "■", colour: "#6b7280"},
 };
-const BAD_EVENTS = new Set(["fall", "fall_foreseen", "cut_off", "recovery_failed", "fault", "emergency_stop",
+const BAD_EVENTS = new Set(["fall", "fall_foreseen", "cut_off", "motion_failed", "recovery_failed", "fault", "emergency_stop",
                             "low_supply", "emergency", "scenario_fault", "error", "interrupted", "left_out"]);
 function eventLook(kind) {
   return BAD_EVENTS.has(kind) ? {mark: "▲", colour: "#d55e00"}

@@ -21,6 +21,7 @@ namespace {
 // Motion indices in factory_storage and factory_storage_with_bend.
 constexpr std::uint16_t kNod = 1;
 constexpr std::uint16_t kBend = 2;
+constexpr std::uint16_t kFails = 3;
 
 class BehaviourStage : public testing::Test {
  protected:
@@ -308,6 +309,15 @@ TEST_F(PushedRobot, TakesNoStepFromAnotherPose) {
   ASSERT_EQ(request(Command::kPlay, kBend), Reason::kNone);
   while (behaviour.state() != State::kStanding) step();
   EXPECT_EQ(pushed(0.03, 0.0, 0.03), State::kStanding);
+}
+
+TEST_F(PushedRobot, SaysWhetherAMotionHasFailed) {
+  for (const auto& [motion, reason] :
+       {std::pair{kBend, Reason::kProgress}, {kFails, Reason::kMotionFailed}, {kBend, Reason::kProgress}}) {
+    ASSERT_EQ(request(Command::kPlay, static_cast<std::int16_t>(motion)), Reason::kNone);
+    while (behaviour.state() != State::kStanding) step();
+    EXPECT_EQ(behaviour.status().reason, reason) << motion;
+  }
 }
 
 TEST_F(PushedRobot, TakesNoStepInTheAir) {

@@ -61,6 +61,7 @@ TEST(TelemetryNumbers, OfReasons) {
                           {kCaughtItself, 11},
                           {kOnSeat, 12},
                           {kPushed, 13},
+                          {kMotionFailed, 14},
                           {kModelInvalid, 16},
                           {kDriveFault, 17},
                           {kImuSilent, 18},

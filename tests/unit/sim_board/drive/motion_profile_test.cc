@@ -44,6 +44,14 @@ TEST(MotionProfile, BrakesAndReturnsWhenItWouldOvershoot) {
   EXPECT_NEAR(profile.distance_units(profile.duration_s()), 5.0, 1e-9);
 }
 
+// 8 units to rest, 10 to go: it need not stop on the way.
+TEST(MotionProfile, GoesOnWhereItCanStillStop) {
+  const MotionProfile profile(10.0, 80.0, kLimits);
+  EXPECT_GT(profile.speed_units_per_s(0.01), 80.0);
+  for (double time_s = 0.0; time_s < profile.duration_s(); time_s += 0.001)
+    EXPECT_GT(profile.speed_units_per_s(time_s), 0.0) << time_s;
+}
+
 // Whatever it starts with: it arrives, at rest, without a jump of position or speed, within its limits.
 TEST(MotionProfile, KeepsItsLimitsOverAnyDistance) {
   constexpr unsigned kSeed = 402;

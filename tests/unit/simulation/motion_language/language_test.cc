@@ -145,6 +145,18 @@ TEST(MotionLanguage, OrdersRoutinesByTheirCallsAndLeavesOutUnusedOnes) {
                         "steps:\n  - {call: r2}\n  - end\n"));
 }
 
+// A routine does not know what its caller has set: after a move with a setting of its own the drive has its
+// full torque again.
+TEST(MotionLanguage, BeginsRoutinesWithTheSettingsOfTheRobot) {
+  const Compiled compiled =
+      compile_text(version_2("routines:\n  soft: [{pose: bend, time_s: 1, stiffness: {left_knee: 20}}]\n"
+                             "steps: [{stiffness: {left_knee: 50}}, {call: soft}]\n"));
+  ASSERT_EQ(compiled.codes(), "");
+  EXPECT_THAT(decompile_motion(compiled.motion.image, koboshi_model(), "image"),
+              HasSubstr("    - {stiffness: {left_knee: 20}}\n    - {pose: p0, time_s: 1.000000}\n"
+                        "    - {stiffness: {left_knee: 100}}\n"));
+}
+
 // Beside another motion or the walk, the lean of the second motion does not count.
 TEST(MotionLanguage, WarnsOfALeanThatAMotionWithoutLegsDeclares) {
   const auto codes = [](const std::string& joint) {
@@ -353,6 +365,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadMotion{"M033", "variables: {x: 0}\nsteps: [{set: {x: \"1 + 2147483648\"}}]\n", "6:24", "32 bits"},
         BadMotion{"M034", "variables: {x: 0}\nsteps: [{set: {x: \"x / 0\"}}]\n", "6:22",
                   "a division by zero"},
+        BadMotion{"M034", "variables: {x: 0}\nsteps: [{set: {x: \"/= 0\"}}]\n", "6:19", "a division by zero"},
+        BadMotion{"M034", "variables: {x: 0}\nsteps: [{set: {x: \"%= 0\"}}]\n", "6:19", "a division by zero"},
+        BadMotion{"M010", "steps: [{mix: {arms: {pitch_rate: 0.1, limit_deg: 3}}}]\n", "5:16",
+                  "found the group 'arms', expected joints, each with its gains"},
         BadMotion{"M035", "variables: {x: 0}\nsteps: [{set: {xx: 1}}]\n", "6:16", "did you mean `x`?"},
         BadMotion{"M036",
                   "variables: {a: 0, b: 0, c: 0, d: 0, e: 0, f: 0, g: 0, h: 0, i: 0, j: 0, k: 0, l: 0, m: 0, "

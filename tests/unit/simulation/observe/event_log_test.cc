@@ -207,6 +207,16 @@ TEST_F(EventLogTest, ReportsAnInterruptedMotionWithoutAFall) {
   EXPECT_EQ(event_of("cut_off").fields["motion"], "squat");
 }
 
+TEST_F(EventLogTest, ReportsAMotionThatFails) {
+  play_until(0.1);
+  change(State::kMotion, Reason::kCommand);
+  play_until(1.31);
+  change(State::kStanding, Reason::kMotionFailed);
+  EXPECT_THAT(texts(), ElementsAre("Plays the motion squat.", "Stands: the motion squat has failed.",
+                                   "End: stands; did not fall; squat failed at 1.31 s; 0 faults."));
+  EXPECT_EQ(event_of("motion_failed").fields["reason"], "motion failed");
+}
+
 TEST_F(EventLogTest, ReportsThatTheRobotFellAndGotUp) {
   play_until(3.0);
   fall_and_get_up();

@@ -84,6 +84,26 @@ TEST_F(MotionCheckerTest, FollowsBothOutcomesOfABranch) {
   EXPECT_THAT(find(otherwise, "C005").found, Not(HasSubstr("other outcome")));
 }
 
+// An attitude about upright says that the robot stands, however wide it is; one of a robot that sits ends the
+// judgement, and the report says for how long.
+TEST_F(MotionCheckerTest, JudgesOnAfterAnExpectedAttitudeAboutUpright) {
+  const auto report = [&](double pitch_deg, double within_deg) {
+    return check(
+        fmt::format("  lean: {{from: stand, ankle_pitch: 15}}\nsteps:\n  - {{pose: stand, time_s: 1}}\n"
+                    "  - {{expect: {{pitch_deg: {}, within_deg: {}}}}}\n  - {{pose: lean, time_s: 1}}\n"
+                    "  - {{pose: stand, time_s: 1}}\n",
+                    pitch_deg, within_deg));
+  };
+  for (const double within_deg : {5.0, 25.0, 30.0, 90.0}) {
+    EXPECT_EQ(report(0, within_deg).balance, Balance::kUnstable) << within_deg;
+    EXPECT_THAT(codes(report(0, within_deg)), testing::Contains("C006")) << within_deg;
+    EXPECT_THAT(codes(report(0, within_deg)), testing::Not(testing::Contains("C022"))) << within_deg;
+  }
+  const MotionReport sits = report(40, 30);
+  EXPECT_EQ(sits.balance, Balance::kStable);
+  EXPECT_THAT(find(sits, "C022").found, HasSubstr("a balance that is not judged for 2.5"));
+}
+
 TEST_F(MotionCheckerTest, DoesNotProposeAnInterpolationThatIsUsed) {
   const auto hint = [&](const std::string& interpolation) {
     const MotionReport report = check(

@@ -260,6 +260,28 @@ TEST_F(RetargetTargets, LeavesLegsAloneThatTheMotionDoesNotMove) {
   }
 }
 
+// Straight arms stay nearly straight and alike on both sides, bent ones bend as they did.
+TEST_F(RetargetTargets, KeepsTheBendOfElbows) {
+  for (const char* const name : {"hanpo", "noppo"}) {
+    const Known other(name);
+    const auto elbow_deg = [&](const ForeignMotion& motion, const char* joint) {
+      const ForeignMotion result = retargeted(motion, koboshi, other);
+      const auto at = static_cast<std::size_t>(*other.description.find_joint(joint));
+      return *result.sections[0].frames[0].values[at] * 180.0 / std::numbers::pi;
+    };
+    std::map<std::string, double> pose = crouched;
+    for (const double elbow : {0.0, -60.0, 60.0}) {
+      pose["left_elbow"] = pose["right_elbow"] = elbow;
+      const double left = elbow_deg(frame(koboshi, pose), "left_elbow");
+      EXPECT_NEAR(left, elbow_deg(frame(koboshi, pose), "right_elbow"), 2.0) << name << ' ' << elbow;
+      EXPECT_NEAR(left, elbow, 25.0) << name;
+      if (elbow != 0.0) {
+        EXPECT_GT(left * elbow, 0.0) << name;
+      }
+    }
+  }
+}
+
 // Knees bent so far that it cannot stand on its soles: the joints have the angles of the others, and a note
 // says so.
 TEST_F(RetargetTargets, TakesJointAnglesWhereTheRobotDoesNotStand) {
