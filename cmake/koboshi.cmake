@@ -66,8 +66,10 @@ endfunction()
 
 # koboshi_optimise_small_matrices(NAME): for libraries whose time is that of small matrices. Without Eigen's assertions and with
 # -O3, a step of `lumped` takes three quarters of the time and has the same bits. KOBOSHI_ASSERT checks in every build.
+# -fno-semantic-interposition: no program replaces a function of these libraries, so position-independent code may inline them.
 function(koboshi_optimise_small_matrices name)
-  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O3 -DNDEBUG>)
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O3 -DNDEBUG>
+                                         $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU>>:-fno-semantic-interposition>)
 endfunction()
 
 # koboshi_precompile_for_tests(NAME HEADER...) defines koboshi_NAME, whose headers of other projects the tests of koboshi_test
