@@ -74,6 +74,8 @@ JointChain::JointChain(dWorldID world, const RobotDescription& robot, const Hing
   R_MF_.col(2) = R_MF_.col(0).cross(R_MF_.col(1));
   if (size() > 2) third_sign_ = std::copysign(1.0, R_MF_.col(2).dot(joint(2).axis_M));
 
+  for (std::size_t i = 0; i < links_between(); ++i)
+    p_ACom_M_[i] = link(i).X_ML * link(i).p_LCom_L - joint(0).p_MJ;
   constraint_ = make_constraint(world, size(), child_, parent_, joint(0).p_MJ, R_MF_);
   dJointSetFeedback(constraint_.get(), feedback_.get());
   motors_.reserve(size());
@@ -119,7 +121,7 @@ void JointChain::place_hinges() {
     R_WM = R_WM * R;
     LinkPose& pose = placement_.between[i];
     pose.R_WL = R_WM * link(i).X_ML.linear();
-    pose.p_ACom_W = R_WM * (link(i).X_ML * link(i).p_LCom_L - joint(0).p_MJ);
+    pose.p_ACom_W = R_WM * p_ACom_M_[i];
   }
   placement_.duals_W = duals(axes_W);
 }

@@ -126,7 +126,9 @@ class JointChain {
   Eigen::Vector3d p_ParentAnchor_;  // from the parent body's centre of mass, in its axes
   Eigen::Vector3d p_ChildAnchor_;   // the same of the child
   Eigen::Matrix3d R_MF_;            // columns: first axis, second axis, their cross product
-  double third_sign_ = 1.0;         // sign of the third axis relative to the third column
+  // From the anchor to the centre of mass of each link between the hinges, with all hinges at zero.
+  std::array<Eigen::Vector3d, kMaxHinges - 1> p_ACom_M_;
+  double third_sign_ = 1.0;  // sign of the third axis relative to the third column
   OdeJoint constraint_;
   std::unique_ptr<dJointFeedback> feedback_;  // must not move, because ODE writes into it
   std::vector<ServoMotor> motors_;
