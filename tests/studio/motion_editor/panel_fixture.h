@@ -94,7 +94,8 @@ class PanelFixture : public QObject {
     panel_->resize(1280, 720);
     panel_->show();
     QVERIFY(QTest::qWaitForWindowExposed(panel_.get()));
-    QApplication::setActiveWindow(panel_.get());
+    panel_->activateWindow();
+    QVERIFY(QTest::qWaitForWindowActive(panel_.get()));
     const auto error = panel_->open(file, kRobot);
     QVERIFY2(!error, qPrintable(error.value_or(QString())));
   }
