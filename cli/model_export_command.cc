@@ -1,9 +1,11 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 
 #include <fmt/core.h>
 
+#include "base/text/error.h"
 #include "cli/commands.h"
 #include "simulation/scenario/paths.h"
 #include "tools/robot_file/urdf/export_urdf.h"
@@ -19,6 +21,9 @@ struct ModelExportArguments {
 
 void export_model(const ModelExportArguments& arguments) {
   const std::filesystem::path robot = simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
+  std::error_code missing;
+  if (std::filesystem::equivalent(robot, arguments.urdf, missing))
+    throw InputError(arguments.urdf, 0, "the input as the output", "another file for the URDF");
   for (const std::filesystem::path& file : tools::export_urdf(robot, arguments.urdf, arguments.package))
     fmt::print("{}\n", file.string());
 }

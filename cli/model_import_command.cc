@@ -13,6 +13,7 @@
 
 #include "base/file/standard_streams.h"
 #include "base/file/temporary_folder.h"
+#include "base/text/error.h"
 #include "base/text/text.h"
 #include "cli/commands.h"
 #include "sim_board/description/load.h"
@@ -40,6 +41,8 @@ void add_servo(const std::string& argument, tools::ImportDecisions& decisions) {
     return;
   }
   std::string joints = argument.substr(colon + 1);
+  if (joints.find_first_not_of(',') == std::string::npos)
+    throw InputError("--servo", 0, one_line(argument), "TYPE, or TYPE:JOINT,JOINT");
   for (std::size_t begin = 0; begin <= joints.size();) {
     const std::size_t end = std::min(joints.find(',', begin), joints.size());
     if (end > begin) decisions.servos[joints.substr(begin, end - begin)] = argument.substr(0, colon);
@@ -70,6 +73,8 @@ tools::ImportOptions options_of(const ModelImportArguments& arguments, const Inv
     options.decisions_source = arguments.answers;
     tools::override_decisions(options.decisions, tools::read_decisions(arguments.answers));
   }
+  if (!arguments.servos.empty() && !std::filesystem::exists(options.decisions_source))
+    options.decisions_source = "--servo";  // the only decisions
   for (const std::string& servo : arguments.servos) add_servo(servo, options.decisions);
   if (isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0) options.ask = ask_person;
   return options;

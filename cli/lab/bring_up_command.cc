@@ -12,6 +12,7 @@
 #include "cli/lab/session.h"
 #include "lab/bring_up/ladder.h"
 #include "simulation/batch/parallel.h"
+#include "simulation/disturbance/world_ranges.h"
 #include "simulation/scenario/paths.h"
 #include "tools/run/interrupt.h"
 
@@ -78,6 +79,7 @@ void add_bring_up_command(CLI::App& program, Invocation& invocation) {
   command
       ->add_option("--world", options.world,
                    "Worlds in which the robots are tried (docs/reference/worlds.md)")
+      ->check(CLI::IsMember(simulation::world_names()))
       ->capture_default_str();
   add_number(*command, "--seeds", options.seeds, 1, 1000, "Robots that each rung has to carry");
   command->add_option("--first-seed", options.first_seed, "Seed of the first of them")->capture_default_str();

@@ -80,25 +80,40 @@ void Interview::refuse(const ImportQuestion& question, const std::string& answer
                    expected);
 }
 
-std::string Interview::answer(const ImportQuestion& question) {
+std::string Interview::decided(const ImportQuestion& question, const Expected& expected) {
   questions_.push_back(question);
   std::string answer = question.preset;
   if (const auto given = given_.answers.find(question.name); given != given_.answers.end()) {
     answer = given->second;
   } else if (ask_) {
-    const std::string typed = ask_(question);
-    if (!typed.empty()) answer = typed;
+    ImportQuestion asked = question;
+    for (std::string typed = ask_(asked); !typed.empty(); typed = ask_(asked)) {
+      answer = typed;
+      const auto fault = expected(answer);
+      if (!fault) break;
+      asked.text = "found " + one_line(answer) + ", expected " + *fault + "\n" + question.text;
+      answer = question.preset;  // if nothing more comes
+    }
   }
-  if (!question.choices.empty() && std::ranges::find(question.choices, answer) == question.choices.end())
-    refuse(question, answer, expected_names(answer, question.choices));
+  if (const auto fault = expected(answer)) refuse(question, answer, *fault);
   return taken.answers[question.name] = answer;
 }
 
+std::string Interview::answer(const ImportQuestion& question) {
+  return decided(question, [&](const std::string& answer) -> std::optional<std::string> {
+    if (question.choices.empty() || std::ranges::find(question.choices, answer) != question.choices.end())
+      return std::nullopt;
+    return expected_names(answer, question.choices);
+  });
+}
+
 double Interview::number(const ImportQuestion& question, double min, double max) {
-  const std::string text = answer(question);
-  const auto value = parse_number(text);
-  if (!value || *value < min || *value > max) refuse(question, text, describe(NumberRange{min, max}));
-  return *value;
+  const std::string text = decided(question, [&](const std::string& answer) -> std::optional<std::string> {
+    const auto value = parse_number(answer);
+    if (value && *value >= min && *value <= max) return std::nullopt;
+    return describe(NumberRange{min, max});
+  });
+  return parse_number(text).value();
 }
 
 bool Interview::yes(ImportQuestion question) {

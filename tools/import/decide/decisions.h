@@ -43,7 +43,7 @@ class Interview {
   using Ask = std::function<std::string(const ImportQuestion&)>;
   Interview(ImportDecisions given, Ask ask, std::filesystem::path source);
 
-  // Returns the answer. Throws InputError for one that is not among the choices.
+  // Returns the answer. Throws InputError for one in the file that is not among the choices.
   std::string answer(const ImportQuestion& question);
   // The same for a number within a range.
   double number(const ImportQuestion& question, double min, double max);
@@ -56,6 +56,11 @@ class Interview {
   ImportDecisions taken{};  // by the stages
 
  private:
+  // What is expected instead of an answer; nothing for a right one.
+  using Expected = std::function<std::optional<std::string>(const std::string& answer)>;
+
+  // A person is asked again until the answer is right.
+  std::string decided(const ImportQuestion& question, const Expected& expected);
   [[noreturn]] void refuse(const ImportQuestion& question, const std::string& answer,
                            const std::string& expected) const;
 

@@ -1,6 +1,8 @@
 #include "tools/import/pipeline/import_robot.h"
 
 #include <algorithm>
+#include <set>
+#include <string>
 #include <system_error>
 
 #include "base/text/error.h"
@@ -9,6 +11,7 @@
 #include "tools/import/collision/clear_boxes.h"
 #include "tools/import/collision/fit_boxes.h"
 #include "tools/import/decide/decisions_text.h"
+#include "tools/import/decide/known_decisions.h"
 #include "tools/import/decide/roles.h"
 #include "tools/import/mesh/surfaces.h"
 #include "tools/import/normalise/align.h"
@@ -67,6 +70,7 @@ ImportResult import_robot(const ImportOptions& options) {
   ServoCatalogue catalogue(options.servo_folder);
 
   ImportedRobot source = read_foreign_robot(options.file, report);
+  const std::set<std::string> source_names = names_in(source);
   load_surfaces(source, MeshPaths(options.file, options.paths), report);
   repair_links(source, interview, report);
   move_actuators(source, report);
@@ -96,6 +100,7 @@ ImportResult import_robot(const ImportOptions& options) {
   fit_boxes(robot, interview.taken.answers.at("symmetric") == "yes", report);
   clear_boxes(robot, interview, report);
   add_licences(options.file, result.files, report);
+  require_known(interview.given(), interview.taken, source_names, robot, options.decisions_source);
 
   result.files["robot.sdf"] = robot_sdf(robot, parts, catalogue);
   result.files["import.yaml"] = decisions_text(interview, report, relative_source(options));

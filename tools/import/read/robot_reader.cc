@@ -2,8 +2,15 @@
 
 #include <tinyxml2.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "base/text/error.h"
 #include "base/text/foreign_text.h"
@@ -61,6 +68,26 @@ void require_expanded(const std::filesystem::path& file, const std::string& text
   if (const int line = line_of_xacro(*document.RootElement(), false); line != 0) refuse_xacro(file, line);
 }
 
+// A misspelt kind would make a fixed joint of one that turns, and degrees one that turns anywhere.
+void require_plausible(const ImportedJoint& joint, const std::filesystem::path& file) {
+  // Of URDF, SDF and MJCF.
+  static const std::vector<std::string> kKinds{"revolute",  "continuous", "fixed",   "prismatic", "floating",
+                                               "planar",    "revolute2",  "gearbox", "ball",      "screw",
+                                               "universal", "hinge",      "slide"};
+  constexpr double kMost_rad = 4.0 * std::numbers::pi;  // two turns, beyond which no servo of a joint turns
+  if (joint.kind == JointKind::kOther && std::ranges::find(kKinds, joint.kind_name) == kKinds.end())
+    throw InputError(file, joint.line, "a joint of the type " + one_line(joint.kind_name),
+                     expected_names(joint.kind_name, kKinds));
+  if (joint.kind != JointKind::kHinge) return;
+  for (const std::optional<double>& limit_rad : {joint.lower_rad, joint.upper_rad}) {
+    if (!limit_rad || std::abs(*limit_rad) <= kMost_rad) continue;
+    throw InputError(file, joint.line,
+                     fmt::format("a limit of {} rad for {}", number_text(*limit_rad), one_line(joint.name)),
+                     fmt::format("at most {:.4g} rad, two turns; did you mean {} degrees?", kMost_rad,
+                                 number_text(*limit_rad)));
+  }
+}
+
 }  // namespace
 
 ImportedRobot read_foreign_robot(const std::filesystem::path& file, ImportReport& report) {
@@ -81,6 +108,7 @@ ImportedRobot read_foreign_robot(const std::filesystem::path& file, ImportReport
     throw InputError(file, 0, root.empty() ? "no well-formed XML" : "<" + one_line(root) + ">",
                      "<robot> of a URDF, <sdf> of an SDF model or <mujoco> of an MJCF model");
   }
+  for (const ImportedJoint& joint : robot.joints) require_plausible(joint, file);
   static_cast<void>(root_link(robot));  // throws for a closed loop
   return robot;
 }

@@ -170,6 +170,8 @@ JointKind kind_of(const std::string& type) {
 
 void read_limits(const XmlNode& node, ImportedJoint& joint) {
   const auto limit = node.find("limit");
+  const bool has_range = limit && (limit->find_attribute("lower") || limit->find_attribute("upper"));
+  if (joint.kind == JointKind::kHinge && !has_range) joint.kind = JointKind::kContinuous;
   if (!limit) return;
   const auto find = [&limit](const char* attribute) -> std::optional<double> {
     constexpr double kNone = 1e5;  // exporters write 1e16 and inf for no limit
