@@ -105,9 +105,10 @@ class Climber {
     const std::array<std::string, 1> settings{
         fmt::format("{} {} {} {}", options_.stepper, options_.world, options_.first_seed, options_.seeds)};
     base_hash_ = hash_inputs(files, settings);
-    if (options_.restart) return;
     const std::optional<Journal> journal = read_journal(folder_ / kJournal);
-    if (!journal || !journal->is_complete) return;
+    is_interrupted_ = journal && !journal->is_complete;
+    if (journal) written_ = journal->hashes;
+    if (options_.restart || !journal || is_interrupted_) return;
     for (const auto& [name, hash] : journal->hashes) {
       if (made_at(name) > 0 && is_foreign(folder_ / name)) continue;  // the user's own
       const std::optional<std::string> text = read_own(folder_ / name);
@@ -241,12 +242,31 @@ class Climber {
                                         scratch_);
   }
 
-  void write(const fs::path& name, const std::string& text) const {
+  void write(const fs::path& name, const std::string& text) {
     const fs::path file = folder_ / name;
     std::error_code missing;
-    if (fs::exists(file, missing) && read_text_file(file, "a file") == text) return;
+    if (fs::exists(file, missing)) {
+      const std::string before = read_text_file(file, "a file");
+      if (before == text) return;
+      if (name != kJournal && name != kPage) keep_edited(name, before);
+    }
     fs::create_directories(file.parent_path());
     write_whole_file(file, text);
+    written_[name.string()] = hash_of(text);
+  }
+
+  // Keeps a copy of a file that somebody has changed since bring-up has written it, or may have changed,
+  // where there is no journal. A call that was killed while it wrote has left files that no journal knows.
+  void keep_edited(const fs::path& name, const std::string& text) {
+    const auto known = written_.find(name.string());
+    if (is_interrupted_ || (known != written_.end() && known->second == hash_of(text))) return;
+    fs::path copy = name;
+    copy += ".bak";
+    for (int number = 2; fs::exists(folder_ / copy); ++number)
+      copy = name.string() + fmt::format(".bak{}", number);
+    write_whole_file(folder_ / copy, text);
+    progress_(fmt::format("{}: may have been changed since bring-up has written it; kept as {}",
+                          name.string(), copy.string()));
   }
 
   // Writes the files of the present robot. A program that ends in between leaves an incomplete journal, and
@@ -478,7 +498,9 @@ class Climber {
   const simulation::RobotParameters reference_;
   const BodyMeasures reference_body_;
   std::string base_hash_;
-  std::optional<Journal> before_;  // of an earlier call, as long as it applies
+  std::map<std::string, std::string> written_;  // hashes of the files as bring-up has written them
+  bool is_interrupted_ = false;                 // the last call, while it wrote
+  std::optional<Journal> before_;               // of an earlier call, as long as it applies
   Journal journal_;
   std::size_t rung_ = 0;
   std::optional<simulation::NamedModel> model_;

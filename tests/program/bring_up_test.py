@@ -85,6 +85,20 @@ class BringUp(unittest.TestCase):
             self.assertEqual(anew.returncode, 0, anew.stderr)
             self.assertNotIn("as before", anew.stderr)
             self.assertEqual((self.robot / "parameters.yaml").read_bytes(), before[pathlib.Path("parameters.yaml")])
+            self.assertIn("parameters.yaml: may have been changed since bring-up has written it; kept as parameters.yaml.bak",
+                          anew.stderr)
+            self.assertEqual((self.robot / "parameters.yaml.bak").read_bytes(), changed[pathlib.Path("parameters.yaml")])
+        with self.subTest("without the journal nobody knows which file was changed"):
+            (self.robot / "bring-up.json").unlink()
+            own.write_text(own.read_text() + "# mine\n")
+            unknown = self.climb("--until", "hangs")
+            self.assertEqual(unknown.returncode, 0, unknown.stderr)
+            self.assertTrue((self.robot / "parameters.yaml.bak2").read_text().endswith("# mine\n"))
+        with self.subTest("a misspelt world changes nothing"):
+            untouched = contents(self.robot)
+            misspelt = self.climb("--until", "hangs", "--world", "mlid")
+            self.assertEqual(misspelt.returncode, 2, misspelt.stdout)
+            self.assertEqual(contents(self.robot), untouched)
         with self.subTest("another model invalidates all rungs"):
             self.change(self.robot, "mass", 1.02)
             other = self.climb("--until", "hangs")
