@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/text/error.h"
+#include "base/text/text.h"
 #include "simulation/assembly/parameters.h"
 #include "simulation/assembly/world.h"
 
@@ -77,6 +78,10 @@ void Simulation::stream(const StreamSet& set) {
       !(set.torque_limits_percent.empty() || is_right(set.torque_limits_percent)))
     throw std::invalid_argument("found a set with other values, expected " + std::to_string(joints) +
                                 " finite numbers, one for each joint");
+  for (const double percent : set.torque_limits_percent)
+    if (percent < 1.0 || percent > 100.0)
+      throw std::invalid_argument("found a torque limit of " + number_text(percent) +
+                                  " percent, expected 1 to 100");
   player_->stream(set);
 }
 
@@ -106,7 +111,8 @@ Snapshot Simulation::snapshot() {
 }
 
 void Simulation::restore(const Snapshot& snapshot) {
-  if (snapshot.run_ != run_) throw std::logic_error("a snapshot of another simulation cannot be restored");
+  if (snapshot.run_ != run_)
+    throw std::logic_error("a snapshot of another simulation, or from before a reset, cannot be restored");
   if (!std::ranges::equal(snapshot.companions_, companions_))
     throw std::logic_error("a snapshot was taken with other observers attached than there are now");
   Parts parts{*board_, *player_, companions_};

@@ -94,9 +94,10 @@ class JointRobot {
   // As ScenarioPlayer::push; it has been checked.
   void push(const Push& push) { power_->player->push(push); }
   // Saves the state between two steps; `restore` returns to it any number of times, with the same bits. Throw
-  // std::logic_error for a state from before a reset().
+  // std::logic_error for a state of another robot or from before a reset().
+  struct Run {};  // a robot between two resets, by its address
   struct Saved {
-    std::uint64_t run = 0;
+    std::shared_ptr<const Run> run;
     sim_board::SavedState state;
   };
   [[nodiscard]] Saved save();
@@ -138,7 +139,7 @@ class JointRobot {
   Scenario scenario_;  // the prepared one with this robot's seed
   std::vector<ObservationField> fields_;
   std::unique_ptr<Power> power_;
-  std::uint64_t run_ = 0;  // counts resets
+  std::shared_ptr<const Run> run_ = std::make_shared<Run>();
 };
 
 }  // namespace koboshi::simulation

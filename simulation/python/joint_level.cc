@@ -288,8 +288,7 @@ is no longer finite. Other Python threads run during the call.)")
           [](PyRobot& self, const RobotSnapshot& snapshot) { self.idle().restore(snapshot.saved); },
           "snapshot"_a,
           "Returns to a snapshot of this robot, any number of times; it then continues with the same bits. "
-          "Raises RuntimeError "
-          "for a snapshot from before a reset().")
+          "Raises RuntimeError for a snapshot of another robot or from before a reset().")
       .def_property_readonly(
           "release_s", [](PyRobot& self) { return 1e-6 * static_cast<double>(self.idle().release_us()); },
           "When the scenario's stand releases the robot; 0: there is none.")

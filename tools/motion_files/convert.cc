@@ -218,6 +218,13 @@ class Conversion {
     std::string& text = result_.text;
     std::size_t poses = 0;
     for (const Section& section : sections_) poses += section.moves.size();
+    const bool has_angle = std::ranges::any_of(sections_, [](const Section& section) {
+      return std::ranges::any_of(section.moves, [](const Move& move) {
+        return std::ranges::any_of(move.angles, [](const auto& angle) { return angle.has_value(); });
+      });
+    });
+    if (!has_angle)
+      throw InputError(file_, 0, "no angle of a joint of " + one_line(robot_.robot), "at least one");
     if (poses > kMaxPoses)
       throw InputError(file_, 0, fmt::format("{} poses, of which no straight move replaces another", poses),
                        fmt::format("at most {}", kMaxPoses));

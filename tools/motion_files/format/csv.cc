@@ -98,7 +98,11 @@ ForeignMotion read_csv_motion(const std::filesystem::path& file, std::string_vie
     }
     const double at_s = second * *time;
     ForeignFrame frame{.place = place, .values = std::vector<ForeignValue>(columns.size())};
-    if (last_s) frame.move_us = std::llround(1e6 * at_s) - std::llround(1e6 * *last_s);
+    // The table of a motion begins at 0, so that the first row is the end of the first move; a later one has
+    // the clock of a recording.
+    constexpr double kLongestFirst_s = 10.0;
+    const double from_s = last_s.value_or(at_s > kLongestFirst_s || at_s < 0.0 ? at_s : 0.0);
+    frame.move_us = std::llround(1e6 * at_s) - std::llround(1e6 * from_s);
     for (std::size_t i = 0; i < columns.size() && i + 1 < fields.size(); ++i) {
       if (fields[i + 1].empty() || fields[i + 1] == "*") continue;
       frame.values[i] = parse_number(fields[i + 1]);

@@ -168,6 +168,7 @@ TEST(JointRobot, GivesTheSameBitsAgain) {
   EXPECT_EQ(play(third), expected);
   third.restore(saved);
   EXPECT_EQ(play(third), expected);
+  EXPECT_THROW(first.restore(saved), std::logic_error) << "a state of another robot";
   third.reset(3);
   EXPECT_THROW(third.restore(saved), std::logic_error);
 }

@@ -161,6 +161,10 @@ class Stream(unittest.TestCase):
             moved_rad.append(np.abs(sim.state().joint_position_rad[joint] - pose[joint]))
         self.assertLess(moved_rad[0], 0.1)
         self.assertGreater(moved_rad[1], 0.3)
+        for bad in (-50.0, 0.0, 1e9):
+            limits[joint] = bad
+            with self.assertRaisesRegex(ValueError, "percent, expected 1 to 100"):
+                sim.stream(pose, limits)
 
     def test_has_the_same_bits_after_a_snapshot(self):
         sim = standing()

@@ -72,6 +72,38 @@ TEST_F(ImportRobot, NamesJointsByTreeAndSide) {
   EXPECT_NEAR(robot.left_ankle->height_above_sole_m, 0.04, 1e-9);
 }
 
+// The axes of a link are its author's choice: a forearm whose frame is turned about the elbow, with the same
+// shapes in the same places.
+TEST_F(ImportRobot, StraightensTheElbowWhateverTheAxesOfTheForearm) {
+  const KitRobot kit;
+  std::string text = kit.text();
+  const auto replace = [&](const std::string& part, const std::string& other) {
+    const std::size_t at = text.find(part);
+    ASSERT_NE(at, std::string::npos) << part;
+    text.replace(at, part.size(), other);
+  };
+  constexpr double kTurn_rad = 0.4;
+  const double up_m = -0.01 - 0.5 * kit.forearm_length_m;
+  const std::string straight = kit.link("lc", 0.06, 0.02, kit.forearm_width_m, kit.forearm_length_m, up_m);
+  std::string turned = straight;
+  const std::string place = fmt::format("xyz=\"0 0 {}\"", up_m);
+  for (std::size_t at = turned.find(place); at != std::string::npos; at = turned.find(place))
+    turned.replace(at, place.size(),
+                   fmt::format("xyz=\"{} 0 {}\" rpy=\"0 {} 0\"", -up_m * std::sin(kTurn_rad),
+                               up_m * std::cos(kTurn_rad), -kTurn_rad));
+  replace(straight, turned);
+  replace(kit.hinge("j_lc", "lb", "lc", "0 0 -0.08", "0 0 0", "0 1 0", -2.0, 0.5),
+          kit.hinge("j_lc", "lb", "lc", "0 0 -0.08", fmt::format("0 {} 0", kTurn_rad), "0 1 0", -2.0, 0.5));
+  const ImportResult result = import_robot({.file = write("turned.urdf", text),
+                                            .servo_folder = fs::path(KOBOSHI_SOURCE_DIR) / "robots/servos",
+                                            .decisions_source = "answers.yaml",
+                                            .output = folder_ / "out"});
+  EXPECT_EQ(result.files.at("import.yaml").find("left_elbow: -"), std::string::npos) << "no other zero";
+  const sim_board::RobotDescription robot = load(result);
+  EXPECT_NEAR(joint(robot, "left_elbow").lower_rad, joint(robot, "right_elbow").lower_rad, 1e-4);
+  EXPECT_NEAR(joint(robot, "left_elbow").upper_rad, joint(robot, "right_elbow").upper_rad, 1e-4);
+}
+
 // base_footprint: the root on the ground, with the legs above it.
 TEST_F(ImportRobot, FindsTheGroundWhereTheRootIsOnIt) {
   KitRobot kit;

@@ -64,6 +64,15 @@ TEST_F(ConvertTest, WritesAMotionOfTheMotionLanguage) {
       << converted.report.front();
 }
 
+TEST_F(ConvertTest, RefusesAMotionThatMovesNothing) {
+  try {
+    static_cast<void>(convert("#WEBOTS_MOTION,V1.0,left_knee\n00:00:000,a,*\n00:01:000,b,*\n"));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "file.motion: found no angle of a joint of koboshi, expected at least one");
+  }
+}
+
 TEST_F(ConvertTest, ClampsAndSaysSoOrRefuses) {
   const std::string file = "t,left_knee_deg\n0,20\n1,171\n";
   const ConvertedMotion converted = convert(file);

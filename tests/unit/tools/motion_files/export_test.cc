@@ -84,6 +84,13 @@ TEST_F(ExportTest, RoundTripsAreTheIdentity) {
   }
 }
 
+TEST_F(ExportTest, RoundTripsKeepTheTimeOfTheFirstMove) {
+  std::string motion = kMotion;
+  motion.replace(motion.find("time_s: 1}"), 10, "time_s: 1.5}");
+  for (const std::string format : {"webots", "csv", "bit-bots", "pseq", "mtn", "bin"})
+    EXPECT_THAT(imported(exported(motion, format).bytes), HasSubstr("{pose: p1, time_s: 1.5}")) << format;
+}
+
 TEST_F(ExportTest, RoundTripsInTicksAreTheIdentityFromTheFirstImportOn) {
   for (const std::string format : {"mtn", "bin"}) {
     const std::string bytes = exported(kMotion, format).bytes;
