@@ -20,11 +20,25 @@ namespace {
 // Converts a Python value to YAML for the scenario readers. JSON is a subset of YAML.
 std::string yaml_of(const py::handle& value) {
   // JSON makes pairs of surrogates of characters beyond U+FFFF, which YAML does not have.
-  const auto text = py::module_::import("json").attr("dumps")(value, py::arg("ensure_ascii") = false);
+  // NumPy's numbers and arrays are none of JSON's.
+  const py::cpp_function plain([](const py::handle& other) -> py::object {
+    if (py::hasattr(other, "tolist")) return other.attr("tolist")();
+    throw py::type_error("found " + py::str(py::type::of(other)).cast<std::string>() +
+                         ", expected numbers, texts, lists and dictionaries");
+  });
+  const auto text = py::module_::import("json").attr("dumps")(value, py::arg("ensure_ascii") = false,
+                                                              py::arg("default") = plain);
   return text.cast<std::string>();
 }
 
-std::vector<double> numbers_of(const py::handle& vector) { return vector.cast<std::vector<double>>(); }
+std::vector<double> numbers_of(const py::handle& vector) {
+  try {
+    return vector.cast<std::vector<double>>();
+  } catch (const py::cast_error&) {
+    throw std::invalid_argument("found " + py::repr(vector).cast<std::string>() +
+                                ", expected a list of numbers");
+  }
+}
 
 }  // namespace
 

@@ -184,6 +184,9 @@ class PyRobots {
   }
   JointRobot& idle(std::size_t robot) {
     const Exclusive exclusive(busy_);
+    if (robot >= robots_.size())
+      throw py::index_error("found robot " + std::to_string(robot) + ", expected one of " +
+                            std::to_string(robots_.size()));
     return robots_.at(robot);
   }
 

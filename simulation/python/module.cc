@@ -175,6 +175,9 @@ class PyBatch {
   }
   WatchedSimulation& idle(std::size_t world) {
     const Exclusive exclusive(busy_);
+    if (world >= batch_.size())
+      throw py::index_error("found world " + std::to_string(world) + ", expected one of " +
+                            std::to_string(batch_.size()));
     return batch_.at(world);
   }
   std::vector<const WatchedSimulation*> all() {

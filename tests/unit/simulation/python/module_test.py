@@ -107,6 +107,18 @@ class Simulation(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, "another simulation"):
             sim.restore(snapshot)
 
+    def test_takes_numpy_numbers_and_names_what_it_does_not_take(self):
+        sim = koboshi.Simulation(GO, stepper="lumped", set={"duration_s": np.float32(3)})
+        sim.command("walk", forward_m_per_s=np.float32(0.1), turn_rad_per_s=np.int64(0))
+        with self.assertRaisesRegex(TypeError, "found <class 'object'>, expected numbers"):
+            sim.command("walk", forward_m_per_s=object())
+        for bad in (np.ones((4, 3)), None):
+            with self.assertRaisesRegex(ValueError, "expected a list of numbers"):
+                sim.push(bad, 0.1)
+        sims = koboshi.Simulations(GO, range(2), stepper="lumped")
+        with self.assertRaisesRegex(IndexError, "found world 9, expected one of 2"):
+            sims.push([0, 1, 0], 0.1, world=9)
+
     def test_a_push_moves_the_robot(self):
         sim = go()
         sim.step(10)
