@@ -59,7 +59,11 @@ Model load(const std::filesystem::path& file, const std::string& text, std::stri
   Model model(mj_loadXML(source.path(), source.vfs(), message.data(), static_cast<int>(message.size())),
               mj_deleteModel);
   mju_user_warning = handler;
-  if (!model) fault = one_line(message.data());
+  if (!model) {
+    fault = message.data();  // whole: the name of the body comes last
+    std::ranges::replace(fault, '\n', ' ');
+    fault = utf8_line(trimmed_name(fault));
+  }
   return model;
 }
 

@@ -110,6 +110,16 @@ TEST_F(ImportMistakes, AreNotHingesWithoutARange) {
   }
 }
 
+#ifdef KOBOSHI_HAS_MUJOCO
+TEST_F(ImportMistakes, AreNamedByMuJoCoToTheEnd) {
+  EXPECT_THAT(
+      complaint("<mujoco><worldbody><body name=\"trunk\"><freejoint/><geom type=\"box\" size=\".1 .1 .1\"/>"
+                "<body name=\"leg\"><joint name=\"hip\"/><inertial pos=\"0 0 0\" mass=\"0\" "
+                "diaginertia=\"0 0 0\"/></body></body></worldbody></mujoco>\n"),
+      HasSubstr("name = leg"));
+}
+#endif
+
 // A person is asked again; a file is not.
 TEST_F(ImportMistakes, AtTheTerminalAreAskedForAgain) {
   std::vector<std::string> texts;
