@@ -12,11 +12,13 @@ endif()
 target_include_directories(koboshi_headers INTERFACE $<INSTALL_INTERFACE:include/koboshi>)
 
 # Compiler options of every translation unit of this project, not propagated by libraries. Floating-point contraction is
-# off so that runs are bit-identical. Warnings are errors only in our presets, because compilers and optimisation levels
-# differ in them (CMAKE_COMPILE_WARNING_AS_ERROR).
+# off so that runs are bit-identical. No program replaces a function of ours, so that position-independent code may inline it
+# (-fno-semantic-interposition; clang does so by itself). Warnings are errors only in our presets, because compilers and
+# optimisation levels differ in them (CMAKE_COMPILE_WARNING_AS_ERROR).
 add_library(koboshi_options INTERFACE)
 target_compile_options(koboshi_options INTERFACE
-  -Wall -Wextra -Wconversion -Wsign-conversion -Wdouble-promotion -ffp-contract=off)
+  -Wall -Wextra -Wconversion -Wsign-conversion -Wdouble-promotion -ffp-contract=off
+  $<$<CXX_COMPILER_ID:GNU>:-fno-semantic-interposition>)
 target_link_libraries(koboshi_options INTERFACE koboshi_headers)
 
 # Additional compiler options of the firmware on every board: floating-point arithmetic is a compile error on the host.
@@ -36,10 +38,12 @@ set(KOBOSHI_LIGHT_OPTIONS $<$<CONFIG:Release>:-O1>)
 # Options for tests. Most spend their time in the code under test, which has its own options, and compile in half of the time.
 set(KOBOSHI_TEST_OPTIONS $<$<CONFIG:Release>:-O0>)
 
-# koboshi_library(NAME [FIRMWARE] [OBJECT] [SOURCES ...] [DEPS ...]) defines koboshi::NAME: a static library, with OBJECT an
-# object library, without sources an interface library. cmake/install.cmake installs it with the component of its folder.
+# koboshi_library(NAME [FIRMWARE] [OBJECT] [QT] [MATRICES] [SOURCES ...] [DEPS ...]) defines koboshi::NAME: a static library,
+# with OBJECT an object library, without sources an interface library. cmake/install.cmake installs it with the component of
+# its folder. QT: it uses Qt Widgets. MATRICES: its time is that of small matrices. Without Eigen's assertions and with -O3, a
+# step of `lumped` takes three quarters of the time and has the same bits; KOBOSHI_ASSERT checks in every build.
 function(koboshi_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "FIRMWARE;OBJECT" "" "SOURCES;DEPS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "FIRMWARE;OBJECT;QT;MATRICES" "" "SOURCES;DEPS")
   if(arg_SOURCES)
     set(type STATIC)
     if(arg_OBJECT)
@@ -50,6 +54,13 @@ function(koboshi_library name)
     if(arg_FIRMWARE)
       target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:koboshi_firmware_options>)
       set_property(GLOBAL APPEND PROPERTY KOBOSHI_FIRMWARE_LIBRARIES ${name})
+    elseif(arg_MATRICES)
+      target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O3 -DNDEBUG>)
+    elseif(arg_QT)
+      target_link_libraries(${name} PUBLIC koboshi_qt)
+      koboshi_share_library_headers(${name} QT)
+    else()
+      koboshi_share_library_headers(${name})
     endif()
   else()
     add_library(${name} INTERFACE)
@@ -64,57 +75,6 @@ function(koboshi_library name)
   endif()
 endfunction()
 
-# koboshi_optimise_small_matrices(NAME): for libraries whose time is that of small matrices. Without Eigen's assertions and with
-# -O3, a step of `lumped` takes three quarters of the time and has the same bits. KOBOSHI_ASSERT checks in every build.
-# -fno-semantic-interposition: no program replaces a function of these libraries, so position-independent code may inline them.
-function(koboshi_optimise_small_matrices name)
-  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O3 -DNDEBUG>
-                                         $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU>>:-fno-semantic-interposition>)
-endfunction()
-
-# koboshi_precompile_for_tests(NAME HEADER...) defines koboshi_NAME, whose headers of other projects the tests of koboshi_test
-# share precompiled. It is never linked.
-function(koboshi_precompile_for_tests name)
-  set(main ${PROJECT_BINARY_DIR}/koboshi_${name}.cc)
-  if(NOT EXISTS ${main})
-    file(WRITE ${main} "int main() {}\n")
-  endif()
-  add_executable(koboshi_${name} EXCLUDE_FROM_ALL ${main})
-  target_link_libraries(koboshi_${name} PRIVATE koboshi_options GTest::gtest GTest::gmock)
-  target_compile_options(koboshi_${name} PRIVATE ${KOBOSHI_TEST_OPTIONS})
-  target_precompile_headers(koboshi_${name} PRIVATE ${ARGN})
-endfunction()
-
-# Parsing these headers takes a quarter of the time in which a test compiles. Builds without unity builds do not share them,
-# so that a source which does not include what it uses is noticed there.
-option(KOBOSHI_PRECOMPILE "Precompile the headers of other projects that the tests share" ${CMAKE_UNITY_BUILD})
-function(koboshi_share_precompiled_headers name)
-  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${koboshi_SOURCE_DIR} OUTPUT_VARIABLE folder)
-  set(standard <algorithm> <array> <chrono> <cmath> <functional> <map> <memory> <numbers> <optional> <random> <ranges> <span> <sstream>
-      <string> <string_view> <tuple> <variant> <vector> <gmock/gmock.h> <gtest/gtest.h>)
-  if(NOT KOBOSHI_SIMULATION OR folder MATCHES "^tests/unit/(firmware|hal)")
-    set(headers firmware_test_headers)
-    if(NOT TARGET koboshi_${headers})
-      koboshi_precompile_for_tests(${headers} ${standard})
-    endif()
-  else()
-    find_package(fmt REQUIRED)
-    find_package(Eigen3 REQUIRED NO_MODULE)
-    find_package(nlohmann_json REQUIRED)
-    # With all macros that the libraries of the tests define: _FILE_OFFSET_BITS is one of tinyxml2 in Debian 13.
-    set(libraries fmt::fmt Eigen3::Eigen nlohmann_json::nlohmann_json koboshi::base_xml)
-    set(headers simulation_test_headers)
-    if(NOT TARGET koboshi_${headers})
-      koboshi_precompile_for_tests(${headers} ${standard} <filesystem> <fstream> <regex> <thread> <Eigen/Dense> <fmt/format.h>
-                                   <nlohmann/json.hpp>)
-      target_link_libraries(koboshi_${headers} PRIVATE ${libraries})
-    endif()
-    target_link_libraries(${name} PRIVATE ${libraries})
-  endif()
-  target_precompile_headers(${name} REUSE_FROM koboshi_${headers})
-  target_compile_options(${name} PRIVATE -Wno-error=invalid-pch)  # the compiler then reads the headers themselves
-endfunction()
-
 # koboshi_test(NAME LABEL label [TOGETHER] [COMPUTES] SOURCES ... [DEPS ...]) defines a GoogleTest program. ctest runs its
 # cases under the label; with TOGETHER as one test, for short cases whose common set-up would take most of the time.
 # COMPUTES optimises a program that spends much time in its own code.
@@ -125,8 +85,8 @@ function(koboshi_test name)
   target_compile_options(${name} PRIVATE $<IF:$<BOOL:${arg_COMPUTES}>,${KOBOSHI_LIGHT_OPTIONS},${KOBOSHI_TEST_OPTIONS}>)
   target_compile_definitions(${name} PRIVATE KOBOSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                              KOBOSHI_BINARY_DIR="${PROJECT_BINARY_DIR}")
-  if(KOBOSHI_PRECOMPILE AND NOT arg_COMPUTES)  # not with other options than those of the shared headers
-    koboshi_share_precompiled_headers(${name})
+  if(NOT arg_COMPUTES)  # which has other options
+    koboshi_share_test_headers(${name})
   endif()
   if(arg_TOGETHER)
     add_test(NAME ${name} COMMAND ${name})

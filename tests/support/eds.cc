@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <ios>
 #include <ostream>
@@ -29,7 +30,7 @@ std::int64_t without_node_id(const std::string& text) {
 }
 
 std::map<std::string, Section> read_sections(const std::string& name) {
-  std::ifstream file(std::string(KOBOSHI_SOURCE_DIR) + "/docs/reference/" + name);
+  std::ifstream file(std::filesystem::path(KOBOSHI_SOURCE_DIR) / "docs/reference" / name);
   std::map<std::string, Section> sections;
   Section* section = nullptr;
   for (std::string line; std::getline(file, line);) {
