@@ -19,7 +19,10 @@ namespace koboshi::cli {
 namespace {
 
 struct BenchArguments {
-  lab::BenchOptions options{.walk = "scenarios/walk.yaml", .squat = "scenarios/squat.yaml", .steppers = {}};
+  lab::BenchOptions options{.walk = "scenarios/walk.yaml",
+                            .squat = "scenarios/squat.yaml",
+                            .lie = "scenarios/rise.yaml",
+                            .steppers = {}};
   std::vector<std::string> names;
   double reference_step_ms = 0.05;
   std::filesystem::path json;
@@ -34,7 +37,8 @@ std::vector<lab::BenchStepper> chosen(const std::vector<std::string>& names) {
 }
 
 void play_bench(BenchArguments arguments) {
-  for (std::filesystem::path* scenario : {&arguments.options.walk, &arguments.options.squat})
+  for (std::filesystem::path* scenario :
+       {&arguments.options.walk, &arguments.options.squat, &arguments.options.lie})
     *scenario = simulation::find_input(simulation::InputKind::kScenario, *scenario);
   arguments.options.steppers = chosen(arguments.names);
   arguments.options.reference_step_s = 1e-3 * arguments.reference_step_ms;
@@ -50,9 +54,10 @@ void add_bench_command(CLI::App& program, Invocation&) {
   auto arguments = std::make_shared<BenchArguments>();
   CLI::App* command = program.add_subcommand("bench", "How fast and how accurate each stepper is");
   command->footer(
-      "Plays a walk and squats in closed loop with every stepper, in turns of a quarter of a second, and\n"
-      "the squats once more at a fine step as the reference. Times are of the processor. Takes some\n"
-      "minutes.\n\n"
+      "Plays a walk, squats, and a robot that stands and one that lies in closed loop with every stepper, "
+      "in\n"
+      "turns of a quarter of a second, and the squats once more at a fine step as the reference. Times are\n"
+      "of the processor. Takes some minutes.\n\n"
       "Examples:\n"
       "  koboshi bench\n"
       "  koboshi bench --json bench.json\n"

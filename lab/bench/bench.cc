@@ -71,10 +71,11 @@ double median(std::vector<double> values) {
 }
 
 // One scenario on its way, with a clock that runs only while it is advanced, and the height of its trunk.
+// What comes before `measured_from_us` is not measured.
 class Trial {
  public:
-  explicit Trial(const simulation::Scenario& scenario)
-      : simulation_(scenario), recorder_(simulation_, nullptr) {}
+  explicit Trial(const simulation::Scenario& scenario, std::uint64_t measured_from_us = 0)
+      : simulation_(scenario), recorder_(simulation_, nullptr), measured_from_us_(measured_from_us) {}
 
   bool finished() const { return simulation_.finished() || blew_up_; }
 
@@ -82,7 +83,7 @@ class Trial {
     const std::uint64_t start_us = simulation_.board().now_us();
     const std::uint64_t end_us = start_us + duration_us;
     const sim_board::TimeShares parts = simulation_.board().time_shares();
-    const double slice_start_s = time_s_;
+    double slice_s = 0.0;
     while (!finished() && simulation_.board().now_us() < end_us) {
       const double start_s = processor_s();
       try {
@@ -90,19 +91,20 @@ class Trial {
       } catch (const sim_board::WorldBlewUp&) {
         blew_up_ = true;
       }
-      time_s_ += processor_s() - start_s;
+      slice_s += processor_s() - start_s;
       recorder_.record_tick();
       heights_m_.push_back(recorder_.truth().p_WB_W.z());
     }
-    note_shares(parts, 1e-3 * static_cast<double>(simulation_.board().now_us() - start_us),
-                time_s_ - slice_start_s);
+    if (start_us < measured_from_us_) return;
+    const double simulated_s = 1e-6 * static_cast<double>(simulation_.board().now_us() - start_us);
+    simulated_s_ += simulated_s;
+    time_s_ += slice_s;
+    note_shares(parts, 1e3 * simulated_s, slice_s);
   }
 
   BenchRun result() const {
-    const sim_board::SimBoard& board = simulation_.board();
-    const double simulated_s = 1e-6 * static_cast<double>(board.now_us());
     BenchRun run;
-    run.real_time_factor = simulated_s / time_s_;
+    run.real_time_factor = simulated_s_ / time_s_;
     double sum = 0.0;
     for (std::size_t i = 0; i < kParts.size(); ++i) {
       const double share = median(shares_[i]);
@@ -111,7 +113,8 @@ class Trial {
     }
     // Medians may add up to more than the whole.
     for (const auto& [part, times] : kParts) run.shares.*part /= std::max(1.0, sum);
-    run.physics_steps_per_s = simulated_s / board.world().step_s() / (time_s_ * run.shares.physics_s);
+    const double step_s = simulation_.board().world().step_s();
+    run.physics_steps_per_s = simulated_s_ / step_s / (time_s_ * run.shares.physics_s);
     run.fell = recorder_.fell() || blew_up_;
     return run;
   }
@@ -134,8 +137,10 @@ class Trial {
   simulation::Simulation simulation_;
   simulation::RunRecorder recorder_;
   const double clock_s_ = clock_s();
+  std::uint64_t measured_from_us_;
   std::array<std::vector<double>, kParts.size()> shares_;  // by part, of each slice
-  double time_s_ = 0.0;
+  double simulated_s_ = 0.0;
+  double time_s_ = 0.0;  // of the processor
   bool blew_up_ = false;
   std::vector<double> heights_m_;
 };
@@ -157,11 +162,40 @@ double rms_m(const std::vector<double>& one_m, const std::vector<double>& other_
   return count > first ? std::sqrt(sum_m2 / static_cast<double>(count - first)) : 0.0;
 }
 
-// When the robot stands on its feet, half a second after the stand has let go of it.
-std::size_t first_standing_tick(const simulation::Scenario& scenario) {
-  return static_cast<std::size_t>((scenario.initial.release_us.value_or(0) + 500'000) /
-                                  sim_board::SimBoard::kTick_us);
+// The robot stands on its feet, or lies, half a second after the stand has let go of it.
+std::uint64_t at_rest_us(const simulation::Scenario& scenario) {
+  return scenario.initial.release_us.value_or(0) + 500'000;
 }
+
+// The scenario until its duration after the robot has come to rest, with no commands but those that enable
+// the drives, if they are wanted.
+simulation::Scenario at_rest(simulation::Scenario scenario, bool with_drives) {
+  std::erase_if(scenario.commands, [&](const simulation::Command& command) {
+    return !with_drives || command.kind != simulation::Command::Kind::kEnable;
+  });
+  scenario.duration_us += at_rest_us(scenario);
+  return scenario;
+}
+
+// All scenarios with one stepper.
+struct Trials {
+  Trials(const BenchOptions& options, const simulation::Physics& physics)
+      : Trials(options, at_rest(read(options.squat, physics, options.duration_s), true),
+               at_rest(read(options.lie, physics, options.duration_s), false), physics) {}
+
+  Trial walk;
+  Trial squat;
+  Trial stand;
+  Trial lie;
+
+ private:
+  Trials(const BenchOptions& options, const simulation::Scenario& standing, const simulation::Scenario& lying,
+         const simulation::Physics& physics)
+      : walk(read(options.walk, physics, options.duration_s)),
+        squat(read(options.squat, physics, options.duration_s)),
+        stand(standing, at_rest_us(standing)),
+        lie(lying, at_rest_us(lying)) {}
+};
 
 double wall_of_threads_s(const simulation::Scenario& scenario, int threads) {
   std::vector<std::unique_ptr<simulation::Simulation>> simulations;
@@ -211,26 +245,34 @@ std::vector<BenchResult> bench(const BenchOptions& options,
     results.emplace_back().stepper = stepper;
     results.back().memory_bytes = memory_of_world_bytes(read(options.walk, stepper.physics, 0.5));
   }
-  std::vector<std::unique_ptr<Trial>> walks;
-  std::vector<std::unique_ptr<Trial>> squats;
+  std::vector<std::unique_ptr<Trials>> trials;
   for (const BenchStepper& stepper : options.steppers) {
-    walks.push_back(std::make_unique<Trial>(read(options.walk, stepper.physics, options.duration_s)));
-    squats.push_back(std::make_unique<Trial>(read(options.squat, stepper.physics, options.duration_s)));
+    trials.push_back(std::make_unique<Trials>(options, stepper.physics));
   }
   tell("closed loop, all steppers in turns");
-  for (double done_s = 0.0; done_s < options.duration_s; done_s += 1e-6 * kSlice_us) {
-    for (auto& trial : walks) trial->advance(kSlice_us);
-    for (auto& trial : squats) trial->advance(kSlice_us);
+  for (bool finished = false; !finished;) {
+    finished = true;
+    for (Trial Trials::*which : {&Trials::walk, &Trials::squat, &Trials::stand, &Trials::lie}) {
+      for (const auto& of_stepper : trials) {
+        Trial& trial = (*of_stepper).*which;
+        if (trial.finished()) continue;
+        trial.advance(kSlice_us);
+        finished = false;
+      }
+    }
   }
   tell("reference of the squats");
   const std::vector<double> reference_m = reference_heights_m(options);
   for (std::size_t i = 0; i < results.size(); ++i) {
     BenchResult& result = results[i];
     const simulation::Scenario squat = read(options.squat, result.stepper.physics, kSpeedup_s);
-    result.walk = walks[i]->result();
-    result.squat = squats[i]->result();
-    result.squat_base_height_rms_m = rms_m(squats[i]->heights_m(), reference_m, first_standing_tick(squat));
-    result.squat_foot_slip_m = squats[i]->foot_slip_m();
+    result.walk = trials[i]->walk.result();
+    result.squat = trials[i]->squat.result();
+    result.stand = trials[i]->stand.result();
+    result.lie = trials[i]->lie.result();
+    result.squat_base_height_rms_m =
+        rms_m(trials[i]->squat.heights_m(), reference_m, at_rest_us(squat) / sim_board::SimBoard::kTick_us);
+    result.squat_foot_slip_m = trials[i]->squat.foot_slip_m();
     tell("two worlds, " + result.stepper.name);
     result.two_worlds_speedup = two_worlds_speedup(squat);
   }

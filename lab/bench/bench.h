@@ -29,7 +29,8 @@ inline constexpr double kSquatSlipBar_m = 1e-3;
 
 struct BenchOptions {
   std::filesystem::path walk;   // a scenario
-  std::filesystem::path squat;  // a scenario
+  std::filesystem::path squat;  // a scenario; without its commands to play, the robot stands
+  std::filesystem::path lie;    // a scenario whose robot lies on the ground, without its commands
   double duration_s = 20.0;     // of each
   double reference_step_s = 0.00005;
   std::vector<BenchStepper> steppers;
@@ -47,6 +48,8 @@ struct BenchResult {
   BenchStepper stepper;
   BenchRun walk;
   BenchRun squat;
+  BenchRun stand;                        // on its feet, with the drives enabled
+  BenchRun lie;                          // limp
   double squat_base_height_rms_m = 0.0;  // against the reference, while the robot stands on its feet
   double squat_foot_slip_m = 0.0;        // largest
   double memory_bytes = 0.0;             // of one world with its board and firmware
@@ -58,7 +61,7 @@ struct BenchResult {
   }
 };
 
-// Runs the closed loop (firmware, bus, drives, sensors, physics) of both scenarios with every stepper, all in
+// Runs the closed loop (firmware, bus, drives, sensors, physics) of all scenarios with every stepper, all in
 // turns of a quarter of a simulated second, so that other load of the machine affects all alike. `tell` gets
 // the name of each phase. Throws what Simulation throws.
 std::vector<BenchResult> bench(const BenchOptions& options,

@@ -30,7 +30,11 @@ Json result_json(const BenchResult& result, const BenchResult* mujoco) {
   Json json{{"closed_loop_real_time_factor", result.walk.real_time_factor},
             {"closed_loop_real_time_factor_squat", result.squat.real_time_factor},
             {"physics_steps_per_s", result.walk.physics_steps_per_s},
+            {"physics_steps_per_s_standing", result.stand.physics_steps_per_s},
+            {"physics_steps_per_s_lying", result.lie.physics_steps_per_s},
             {"physics_speed_vs_mujoco", nullptr},
+            {"physics_speed_vs_mujoco_standing", nullptr},
+            {"physics_speed_vs_mujoco_lying", nullptr},
             {"squat_base_height_rms_m", result.squat_base_height_rms_m},
             {"squat_foot_slip_m", result.squat_foot_slip_m},
             {"walk_fell", result.walk.fell},
@@ -41,6 +45,9 @@ Json result_json(const BenchResult& result, const BenchResult* mujoco) {
             {"shares", shares_json(result.walk.shares)}};
   if (mujoco != nullptr) {
     json["physics_speed_vs_mujoco"] = result.walk.physics_steps_per_s / mujoco->walk.physics_steps_per_s;
+    json["physics_speed_vs_mujoco_standing"] =
+        result.stand.physics_steps_per_s / mujoco->stand.physics_steps_per_s;
+    json["physics_speed_vs_mujoco_lying"] = result.lie.physics_steps_per_s / mujoco->lie.physics_steps_per_s;
   }
   return json;
 }
@@ -54,15 +61,18 @@ std::string bench_table(const std::vector<BenchResult>& results) {
     rows.push_back({result.stepper.name, fmt::format("{:.2f}", result.walk.real_time_factor),
                     fmt::format("{:.2f}", result.squat.real_time_factor),
                     fmt::format("{:.0f}", result.walk.physics_steps_per_s),
+                    fmt::format("{:.0f}", result.stand.physics_steps_per_s),
+                    fmt::format("{:.0f}", result.lie.physics_steps_per_s),
                     fmt::format("{:.0f}", 100.0 * result.walk.shares.physics_s),
                     fmt::format("{:.4f}", 1e3 * result.squat_base_height_rms_m),
                     fmt::format("{:.4f}", 1e3 * result.squat_foot_slip_m), std::to_string(falls),
                     fmt::format("{:.1f}", 1e-6 * result.memory_bytes),
                     fmt::format("{:.2f}", result.two_worlds_speedup), result.accurate() ? "yes" : "no"});
   }
-  return table_text({"stepper", "walk [x real]", "squat [x real]", "steps/s", "physics [%]",
-                     "height RMS [mm]", "slip [mm]", "falls", "memory [MB]", "2 cores [x]", "accurate"},
-                    rows, TableStyle::kTerminal);
+  return table_text(
+      {"stepper", "walk [x real]", "squat [x real]", "steps/s", "standing", "lying", "physics [%]",
+       "height RMS [mm]", "slip [mm]", "falls", "memory [MB]", "2 cores [x]", "accurate"},
+      rows, TableStyle::kTerminal);
 }
 
 nlohmann::ordered_json bench_json(const std::vector<BenchResult>& results) {

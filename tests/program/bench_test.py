@@ -38,6 +38,14 @@ class Bench(unittest.TestCase):
                 self.assertFalse(stepper["walk_fell"] or stepper["squat_fell"])
                 self.assertTrue(stepper["accurate"])
 
+    def test_the_physics_of_each_posture_has_a_figure(self):
+        for name, stepper in self.bench["steppers"].items():
+            with self.subTest(name):
+                figures = [stepper["physics_steps_per_s" + posture] for posture in ("", "_standing", "_lying")]
+                self.assertGreater(min(figures), 0.0)
+                self.assertEqual(len(set(figures)), 3)
+                self.assertIsNone(stepper["physics_speed_vs_mujoco_lying"])  # MuJoCo was not asked for
+
     def test_shares_are_of_the_whole(self):
         for name, stepper in self.bench["steppers"].items():
             with self.subTest(name):
