@@ -49,6 +49,12 @@ function(koboshi_share_headers target set)
   endforeach()
   target_precompile_headers(${target} REUSE_FROM koboshi_${set})
   target_compile_options(${target} PRIVATE -Wno-error=invalid-pch)  # the compiler then reads the headers themselves
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # GCC takes precompiled functions of the standard library for ours, and warns of memory that they do not touch. The presets
+    # without precompiled headers have these warnings.
+    target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-maybe-uninitialized -Wno-restrict -Wno-stringop-overflow
+                                             -Wno-stringop-overread)
+  endif()
 endfunction()
 
 # koboshi_share_library_headers(NAME [QT]) is for a library of the host with the options of its folder. Only GCC accepts the
