@@ -174,7 +174,7 @@ KOBOSHI_VECTOR_CLONES void TreeSolver::multiply_groups(std::size_t number, std::
       group.support->dofs.size() <= other.support->dofs.size() ? *group.support : *other.support;
   const std::size_t* dof = support.by_sum.data();
   const std::size_t* const dofs = dof;
-  std::array<std::array<mechanics::Lanes, mechanics::Lanes::kCount>, Support::kSums> sums;
+  std::array<std::array<Four, mechanics::Lanes::kCount>, Support::kSums> sums;  // not zeroed first
   for (std::size_t sum = 0; sum < Support::kSums; ++sum) {
     Four first = {}, second = {}, third = {}, fourth = {};
     for (const std::size_t* const end = dofs + support.ends[sum]; dof != end; ++dof) {
@@ -185,13 +185,10 @@ KOBOSHI_VECTOR_CLONES void TreeSolver::multiply_groups(std::size_t number, std::
       third += left[2] * right;
       fourth += left[3] * right;
     }
-    sums[sum][0].all = first;
-    sums[sum][1].all = second;
-    sums[sum][2].all = third;
-    sums[sum][3].all = fourth;
+    sums[sum] = {first, second, third, fourth};
   }
   for (std::size_t lane = 0; lane < group.rows; ++lane) {
-    const auto sum = [&](std::size_t number_of_sum) -> const Four& { return sums[number_of_sum][lane].all; };
+    const auto sum = [&](std::size_t number_of_sum) -> const Four& { return sums[number_of_sum][lane]; };
     mechanics::Lanes products;
     products.all = (((sum(0) + sum(2)) + sum(4)) + ((sum(1) + sum(3)) + sum(5))) + sum(6);
     const std::size_t r = group.first + lane;
