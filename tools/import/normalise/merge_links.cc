@@ -16,6 +16,7 @@ Matrix3d point_inertia(double mass_kg, const Vector3d& p) {
 
 void move_content(ImportedLink& to, const ImportedLink& from, const Eigen::Isometry3d& X) {
   add_mass(to, from, X);
+  to.lacks_mass = to.lacks_mass || from.lacks_mass;
   const auto move_shapes = [&X](std::vector<ImportedShape>& shapes,
                                 const std::vector<ImportedShape>& others) {
     for (ImportedShape shape : others) {

@@ -66,10 +66,13 @@ void repair_without_shape(ImportedLink& link, Interview& interview, ImportReport
     link.I_LCom_L = ball;
 }
 
-void repair_com(ImportedLink& link, const Eigen::AlignedBox3d& reach, const Vector3d& middle,
+// `reach_G`: from the link's joint to those that it carries, also where its shapes leave that out, in the
+// axes of its box.
+void repair_com(ImportedLink& link, const LinkBox& box, const Eigen::AlignedBox3d& reach_G,
                 Interview& interview, ImportReport& report) {
-  const double outside_m = reach.exteriorDistance(link.p_LCom_L);
-  if (outside_m <= kOutsideShare * reach.diagonal().norm()) return;
+  const Vector3d middle = box.center_L();
+  const double outside_m = reach_G.exteriorDistance(Vector3d(box.R_LG.transpose() * link.p_LCom_L));
+  if (outside_m <= kOutsideShare * reach_G.diagonal().norm()) return;
   if (take_repair({.key = link.name + ".com",
                    .found = fmt::format("link {} (line {}) with its centre of mass at {}",
                                         one_line(link.name), link.line, millimetres(link.p_LCom_L)),
@@ -79,14 +82,13 @@ void repair_com(ImportedLink& link, const Eigen::AlignedBox3d& reach, const Vect
     link.p_LCom_L = middle;
 }
 
-// `reach`: from the link's joint to those that it carries, also where its shapes leave that out.
-void repair_inertia(ImportedLink& link, const Eigen::AlignedBox3d& extent, const Eigen::AlignedBox3d& reach,
+void repair_inertia(ImportedLink& link, const LinkBox& box, const Eigen::AlignedBox3d& reach_G,
                     Interview& interview, ImportReport& report) {
   constexpr double kMinSide_m = 0.002;
-  const Matrix3d uniform = box_inertia(link.mass_kg, extent.sizes().cwiseMax(kMinSide_m));
-  const double within =
-      share_of(link.I_LCom_L, box_inertia(link.mass_kg, reach.sizes().cwiseMax(kMinSide_m)));
-  const double share = share_of(link.I_LCom_L, uniform);
+  const Matrix3d uniform = box_inertia(link.mass_kg, box.extent_G.sizes().cwiseMax(kMinSide_m));
+  const Matrix3d I_LCom_G = box.R_LG.transpose() * link.I_LCom_L * box.R_LG;
+  const double within = share_of(I_LCom_G, box_inertia(link.mass_kg, reach_G.sizes().cwiseMax(kMinSide_m)));
+  const double share = share_of(I_LCom_G, uniform);
   const bool is_in_proportion =
       (within <= kMaxShare && within >= kMinShare) || (share <= kMaxShare && share >= kMinShare);
   if (is_body(link.I_LCom_L) && is_in_proportion) return;
@@ -94,16 +96,15 @@ void repair_inertia(ImportedLink& link, const Eigen::AlignedBox3d& extent, const
       share > 0.0 && !is_in_proportion
           ? fmt::format("that is {:.3g} times the inertia of a uniform box of its size", share)
           : "no rigid body has such moments";
-  if (take_repair(
-          {.key = link.name + ".inertia",
-           .found = fmt::format("link {} (line {}) with moments of inertia {:.3g}, {:.3g}, {:.3g} kg m^2",
-                                one_line(link.name), link.line, link.I_LCom_L(0, 0), link.I_LCom_L(1, 1),
-                                link.I_LCom_L(2, 2)),
-           .taken = fmt::format("{:.3g}, {:.3g}, {:.3g} kg m^2, a uniform box", uniform(0, 0), uniform(1, 1),
-                                uniform(2, 2)),
-           .because = because},
-          interview, report))
-    link.I_LCom_L = uniform;
+  if (take_repair({.key = link.name + ".inertia",
+                   .found = fmt::format(
+                       "link {} (line {}) with moments of inertia {:.3g}, {:.3g}, {:.3g} kg m^2",
+                       one_line(link.name), link.line, I_LCom_G(0, 0), I_LCom_G(1, 1), I_LCom_G(2, 2)),
+                   .taken = fmt::format("{:.3g}, {:.3g}, {:.3g} kg m^2, a uniform box", uniform(0, 0),
+                                        uniform(1, 1), uniform(2, 2)),
+                   .because = because},
+                  interview, report))
+    link.I_LCom_L = box.R_LG * uniform * box.R_LG.transpose();
 }
 
 }  // namespace
@@ -119,29 +120,33 @@ bool take_repair(ImportRepair repair, Interview& interview, ImportReport& report
 void repair_links(ImportedRobot& robot, Interview& interview, ImportReport& report) {
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     ImportedLink& link = robot.links[i];
-    if (link.mass_kg <= 1e-6) {  // a frame
+    if (link.mass_kg <= 1e-6) {  // a frame, or a part that nobody weighed
+      const Eigen::AlignedBox3d extent = extent_of(link);
+      link.lacks_mass = !extent.isEmpty() && extent.sizes().maxCoeff() >= kDummy_m;
       link.mass_kg = 0.0;
       link.I_LCom_L.setZero();
       continue;
     }
-    const Eigen::AlignedBox3d extent = extent_of(link);
-    if (extent.isEmpty() || extent.sizes().maxCoeff() < kDummy_m) {
+    const LinkBox box = box_of(link);
+    if (box.extent_G.isEmpty() || box.extent_G.sizes().maxCoeff() < kDummy_m) {
       repair_without_shape(link, interview, report);
       continue;
     }
-    Eigen::AlignedBox3d reach = extent;
-    reach.extend(Vector3d::Zero());
+    Eigen::AlignedBox3d reach_G = box.extent_G;
+    reach_G.extend(Vector3d::Zero());
     for (const ImportedJoint& joint : robot.joints)
-      if (joint.parent == static_cast<int>(i)) reach.extend(Vector3d(joint.X_PL.translation()));
-    repair_com(link, reach, extent.center(), interview, report);
-    repair_inertia(link, extent, reach, interview, report);
+      if (joint.parent == static_cast<int>(i))
+        reach_G.extend(Vector3d(box.R_LG.transpose() * joint.X_PL.translation()));
+    repair_com(link, box, reach_G, interview, report);
+    repair_inertia(link, box, reach_G, interview, report);
   }
 }
 
 void repair_masses(ImportedRobot& robot, Interview& interview, ImportReport& report) {
   for (ImportedLink& link : robot.links) {
     if (link.mass_kg >= kMinMass_kg) continue;
-    const Eigen::AlignedBox3d extent = extent_of(link);
+    const LinkBox box = box_of(link);
+    const Eigen::AlignedBox3d& extent = box.extent_G;
     const bool has_shape = !extent.isEmpty() && extent.sizes().maxCoeff() >= kDummy_m;
     const Vector3d size_m = has_shape ? Vector3d(extent.sizes().cwiseMax(0.002)) : Vector3d::Constant(0.02);
     const double mass_kg = std::max(kBracketDensity_kg_per_m3 * size_m.prod(), 0.005);
@@ -154,8 +159,9 @@ void repair_masses(ImportedRobot& robot, Interview& interview, ImportReport& rep
         link.mass_kg > 1e-6)
       continue;
     link.mass_kg = mass_kg;
-    link.p_LCom_L = has_shape ? Vector3d(extent.center()) : Vector3d::Zero();
-    link.I_LCom_L = box_inertia(mass_kg, size_m);
+    link.lacks_mass = true;
+    link.p_LCom_L = has_shape ? box.center_L() : Vector3d::Zero();
+    link.I_LCom_L = box.R_LG * box_inertia(mass_kg, size_m) * box.R_LG.transpose();
   }
 }
 

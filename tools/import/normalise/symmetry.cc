@@ -56,6 +56,27 @@ void pair_mass(ImportedLink& left, ImportedLink& right, Interview& interview, Im
   left.mass_kg = right.mass_kg = mean_kg;
 }
 
+// Gives the side of which the file lacks a mass that of the other, with its mirrored centre of mass and
+// inertia: a mean would spoil the other. Returns whether exactly one side lacks a mass.
+bool copy_known_side(ImportedLink& left, ImportedLink& right, Interview& interview, ImportReport& report) {
+  if (left.lacks_mass == right.lacks_mass) return false;
+  ImportedLink& guess = left.lacks_mass ? left : right;
+  const ImportedLink& known = left.lacks_mass ? right : left;
+  if (std::abs(guess.mass_kg - known.mass_kg) <= kSameMass * known.mass_kg) return false;
+  if (!take_repair({.key = left.name + ".mass",
+                    .found = fmt::format("{} of {:.1f} g and {} with a part without a mass", known.name,
+                                         1000.0 * known.mass_kg, guess.name),
+                    .taken = fmt::format("{:.1f} g each, that of {}", 1000.0 * known.mass_kg, known.name),
+                    .because = "left and right are mirror images"},
+                   interview, report))
+    return true;
+  guess.mass_kg = known.mass_kg;
+  guess.p_LCom_L = mirrored(known.p_LCom_L);
+  guess.I_LCom_L = mirrored(known.I_LCom_L);
+  guess.lacks_mass = false;
+  return true;
+}
+
 void pair_com(ImportedLink& left, ImportedLink& right, Interview& interview, ImportReport& report) {
   const Vector3d image = mirrored(right.p_LCom_L);
   const double apart_m = (left.p_LCom_L - image).norm();
@@ -144,6 +165,7 @@ void repair_symmetry(ImportedRobot& robot, Interview& interview, ImportReport& r
     }
     ImportedLink* const right = find_link(robot, other);
     if (!left.name.starts_with("left_") || right == nullptr) continue;
+    if (copy_known_side(left, *right, interview, report)) continue;
     pair_mass(left, *right, interview, report);
     pair_com(left, *right, interview, report);
     left.I_LCom_L = 0.5 * (left.I_LCom_L + mirrored(right->I_LCom_L));

@@ -61,31 +61,6 @@ const std::vector<Target>& targets() {
   return table;
 }
 
-// The shapes with a surface: those of collisions, or else those that are seen.
-std::vector<ImportedShape> shapes_of(const ImportedLink& link) {
-  std::vector<ImportedShape> shapes;
-  for (const std::vector<ImportedShape>* own : {&link.collisions, &link.visuals}) {
-    std::ranges::copy_if(*own, std::back_inserter(shapes),
-                         [](const auto& shape) { return shape.surface != nullptr; });
-    if (!shapes.empty()) break;
-  }
-  return shapes;
-}
-
-// In which the shapes of a limb are measured: the axes of its link are whatever its author has chosen.
-Eigen::Matrix3d largest_shape_axes(const ImportedLink& link) {
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-  double largest_m = 0.0;
-  for (const ImportedShape& shape : shapes_of(link)) {
-    Eigen::AlignedBox3d extent;
-    for (const Eigen::Vector3f& vertex : shape.surface->vertices_m) extent.extend(vertex.cast<double>());
-    if (extent.isEmpty() || extent.diagonal().norm() <= largest_m) continue;
-    largest_m = extent.diagonal().norm();
-    axes = shape.X_LG.linear();
-  }
-  return axes;
-}
-
 class Straightener {
  public:
   Straightener(const ImportedRobot& robot, const Eigen::Matrix3d& R_MR, const ImportDecisions& decisions)
@@ -222,12 +197,9 @@ class Straightener {
   Vector3d tip(int at) const {
     const Eigen::Isometry3d& X_ML = X_ML_[static_cast<std::size_t>(joint(at).child)];
     const ImportedLink& link = robot_.links[static_cast<std::size_t>(joint(at).child)];
-    if (extent_of(link).isEmpty()) return X_ML * link.p_LCom_L;
-    const Eigen::Matrix3d R_LG = largest_shape_axes(link);
-    Eigen::AlignedBox3d extent;
-    for (const ImportedShape& shape : shapes_of(link))
-      for (const Eigen::Vector3f& vertex : shape.surface->vertices_m)
-        extent.extend(R_LG.transpose() * (shape.X_LG * vertex.cast<double>()));
+    const LinkBox box = box_of(link);
+    const Eigen::AlignedBox3d& extent = box.extent_G;
+    if (extent.isEmpty()) return X_ML * link.p_LCom_L;
     // The middle of the face that is farthest away, as the axis of a forearm leads there.
     Vector3d far = extent.center();
     for (int i = 0; i < 6; ++i) {
@@ -235,7 +207,7 @@ class Straightener {
       face[i / 2] = i % 2 == 0 ? extent.min()[i / 2] : extent.max()[i / 2];
       if (face.norm() > far.norm()) far = face;
     }
-    return X_ML * (R_LG * far);
+    return X_ML * (box.R_LG * far);
   }
 
   const ImportedRobot& robot_;

@@ -115,6 +115,28 @@ Eigen::AlignedBox3d extent_of(const ImportedLink& link) {
   return extent.isEmpty() ? extent_of(std::span(link.visuals)) : extent;
 }
 
+LinkBox box_of(const ImportedLink& link) {
+  const std::span<const ImportedShape> shapes =
+      extent_of(std::span(link.collisions)).isEmpty() ? link.visuals : link.collisions;
+  LinkBox box;
+  double largest_m = 0.0;
+  for (const ImportedShape& shape : shapes) {
+    if (!shape.surface) continue;
+    Eigen::AlignedBox3d extent;
+    for (const Eigen::Vector3f& vertex : shape.surface->vertices_m) extent.extend(vertex.cast<double>());
+    // Of two that are equally large, such as both halves of a servo's bracket, the first.
+    if (extent.isEmpty() || extent.diagonal().norm() <= largest_m) continue;
+    largest_m = extent.diagonal().norm();
+    box.R_LG = shape.X_LG.linear();
+  }
+  for (const ImportedShape& shape : shapes) {
+    if (!shape.surface) continue;
+    for (const Eigen::Vector3f& vertex : shape.surface->vertices_m)
+      box.extent_G.extend(box.R_LG.transpose() * (shape.X_LG * vertex.cast<double>()));
+  }
+  return box;
+}
+
 Eigen::Matrix3d box_inertia(double mass_kg, const Eigen::Vector3d& size_m) {
   const Eigen::Vector3d squares = size_m.cwiseProduct(size_m);
   const Eigen::Vector3d others = Eigen::Vector3d::Constant(squares.sum()) - squares;

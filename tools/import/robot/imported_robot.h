@@ -45,6 +45,7 @@ struct ImportedLink {
   std::string name{};
   int line = 0;
   double mass_kg = 0.0;
+  bool lacks_mass = false;  // the file gives none for the link, or for a part of it that has a shape
   Eigen::Vector3d p_LCom_L = Eigen::Vector3d::Zero();
   Eigen::Matrix3d I_LCom_L = Eigen::Matrix3d::Zero();  // about the centre of mass, axes of the link
   std::vector<ImportedShape> visuals{};
@@ -118,6 +119,17 @@ struct ImportedRobot {
 [[nodiscard]] Eigen::AlignedBox3d extent_of(std::span<const ImportedShape> shapes);
 // The same of a link: of its collision shapes, or of the visuals of a link without any.
 [[nodiscard]] Eigen::AlignedBox3d extent_of(const ImportedLink& link);
+
+// A box around the surfaces of a link, along the axes G of its largest shape. The axes of the link itself are
+// its author's choice, on which no size may depend.
+struct LinkBox {
+  Eigen::Matrix3d R_LG = Eigen::Matrix3d::Identity();
+  Eigen::AlignedBox3d extent_G{};  // about the link's origin; empty without a surface
+
+  Eigen::Vector3d center_L() const { return R_LG * extent_G.center(); }
+};
+// Returns the box around the shapes that extent_of() measures.
+[[nodiscard]] LinkBox box_of(const ImportedLink& link);
 
 // Returns the inertia of a uniform box about its centre.
 [[nodiscard]] Eigen::Matrix3d box_inertia(double mass_kg, const Eigen::Vector3d& size_m);

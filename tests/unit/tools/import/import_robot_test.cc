@@ -222,6 +222,78 @@ TEST_F(ImportRobot, ComparesLeftAndRight) {
     EXPECT_NEAR(robot.links[static_cast<std::size_t>(robot.find_link(link).value())].mass_kg, 0.09, 1e-9);
 }
 
+// A mean with a mass that nobody gave would take half of the weighed side's.
+TEST_F(ImportRobot, TakesTheSideThatHasAMass) {
+  const KitRobot kit;
+  std::string text = kit.text();
+  const auto link_mass = [&](const std::string& link, const std::string& mass) {
+    const std::size_t at = text.find("<mass value=\"", text.find("<link name=\"" + link + "\"")) + 13;
+    text.replace(at, text.find('"', at) - at, mass);
+  };
+  link_mass("r4", "0");  // a shank
+  link_mass("l6", "0");  // a foot
+  const ImportResult result = import_robot({.file = write("light.urdf", text),
+                                            .servo_folder = fs::path(KOBOSHI_SOURCE_DIR) / "robots/servos",
+                                            .output = folder_ / "out"});
+  const ImportRepair* const repair = find_repair(result, "left_shank.mass");
+  ASSERT_NE(repair, nullptr);
+  EXPECT_EQ(repair->found, "left_shank of 100.0 g and right_shank with a part without a mass");
+  const sim_board::RobotDescription robot = load(result);
+  const sim_board::RobotDescription whole = load(import(kit));
+  for (const char* name : {"left_shank", "right_shank", "left_foot", "right_foot"}) {
+    const auto& link = robot.links[static_cast<std::size_t>(robot.find_link(name).value())];
+    const auto& other = whole.links[static_cast<std::size_t>(whole.find_link(name).value())];
+    EXPECT_NEAR(link.mass_kg, other.mass_kg, 1e-9) << name;
+    EXPECT_LT((link.p_LCom_L - other.p_LCom_L).norm(), 1e-9) << name;
+    EXPECT_LT((link.I_LCom_L - other.I_LCom_L).norm(), 1e-9) << name;
+  }
+}
+
+// A foot with a frame turned by 30 degrees about the ankle, with the same masses and shapes in the same
+// places.
+TEST_F(ImportRobot, MeasuresLinksWhateverTheirAxes) {
+  for (const double factor : {1.0, 4.0}) {  // both right and out of proportion
+    const KitRobot kit{.inertia_factor = factor, .foot_ahead_m = 0.02};
+    std::string text = kit.text();
+    constexpr double kTurn_rad = 0.5;
+    for (const std::string side : {"l", "r"}) {
+      const std::size_t begin = text.find("<link name=\"" + side + "6\"");
+      std::string foot = text.substr(begin, text.find("</link>", begin) - begin);
+      const auto turn = [&](const std::string& place, double x_m, double z_m) {
+        const std::string turned = fmt::format(
+            "<origin xyz=\"{} 0 {}\" rpy=\"0 {} 0\"/>", x_m * std::cos(kTurn_rad) - z_m * std::sin(kTurn_rad),
+            x_m * std::sin(kTurn_rad) + z_m * std::cos(kTurn_rad), -kTurn_rad);
+        for (std::size_t at = foot.find(place); at != std::string::npos; at = foot.find(place))
+          foot.replace(at, place.size(), turned);
+      };
+      turn("<origin xyz=\"0 0 -0.035\"/>", 0.0, -0.035);
+      turn("<origin xyz=\"0.02 0 -0.035\"/>", 0.02, -0.035);
+      text.replace(begin, text.find("</link>", begin) - begin, foot);
+      // The axis of the joint is that of the link's frame, so its own direction turns back.
+      const std::string joint = "<joint name=\"j_" + side + "6\"";
+      std::size_t at = text.find("rpy=\"0 0 0\"", text.find(joint));
+      text.replace(at, 11, fmt::format("rpy=\"0 {} 0\"", kTurn_rad));
+      at = text.find("<axis xyz=\"1 0 -0\"", at);
+      ASSERT_NE(at, std::string::npos);
+      text.replace(at, 18, fmt::format("<axis xyz=\"{} 0 {}\"", std::cos(kTurn_rad), std::sin(kTurn_rad)));
+    }
+    const ImportResult turned = import_robot({.file = write("kit.urdf", text),
+                                              .servo_folder = fs::path(KOBOSHI_SOURCE_DIR) / "robots/servos",
+                                              .output = folder_ / "out"});
+    const ImportResult straight = import(kit);
+    EXPECT_EQ(turned.report.repairs.size(), straight.report.repairs.size()) << factor;
+    EXPECT_EQ(find_repair(turned, "l6.inertia") != nullptr, factor > 3.3);
+    ASSERT_EQ(turned.robot.links.size(), straight.robot.links.size());
+    for (std::size_t i = 0; i < turned.robot.links.size(); ++i) {
+      const ImportedLink& one = turned.robot.links[i];
+      const ImportedLink& other = straight.robot.links[i];
+      EXPECT_EQ(one.name, other.name);
+      EXPECT_LT((one.p_LCom_L - other.p_LCom_L).norm(), 1e-6) << one.name;
+      EXPECT_LT((one.I_LCom_L - other.I_LCom_L).norm(), 1e-4 * other.I_LCom_L.norm()) << one.name;
+    }
+  }
+}
+
 TEST_F(ImportRobot, LimitsSpeedAndEffortToTheServo) {
   ImportDecisions decisions;
   decisions.answers["servo"] = "krs_2552";
