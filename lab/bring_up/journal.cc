@@ -35,8 +35,11 @@ Journal journal_of(const Json& json) {
                   .walked_m_per_s = {},
                   .searched = json.at("searched").get<std::size_t>(),
                   .hashes = json.at("files").get<std::map<std::string, std::string>>(),
-                  .is_complete = json.at("complete").get<bool>()};
+                  .is_complete = json.at("complete").get<bool>(),
+                  .next_hashes = {}};
   if (json.contains("walked_m_per_s")) journal.walked_m_per_s = json.at("walked_m_per_s").get<double>();
+  if (json.contains("next_files"))
+    journal.next_hashes = json.at("next_files").get<std::map<std::string, std::string>>();
   for (const Json& entry : json.at("rungs")) {
     const auto mark = entry.at("result").get<std::string>();
     const auto result = mark == mark_of(Rung::Result::kReached)      ? Rung::Result::kReached
@@ -93,6 +96,7 @@ std::string journal_text(const Journal& journal) {
             {"searched", journal.searched},
             {"files", journal.hashes},
             {"rungs", rungs}};
+  if (!journal.next_hashes.empty()) json["next_files"] = journal.next_hashes;
   if (journal.walked_m_per_s) json["walked_m_per_s"] = *journal.walked_m_per_s;
   return json.dump(2) + "\n";
 }

@@ -44,6 +44,9 @@ struct Journal {
   std::size_t searched = 0;                   // candidates of all searches
   std::map<std::string, std::string> hashes;  // of the other files that were written, by relative path
   bool is_complete = false;                   // these files were all written
+  // Of an incomplete journal: those that are being written. A file is as bring-up wrote it if it has either
+  // hash.
+  std::map<std::string, std::string> next_hashes{};
 
   const JournalEntry* find(const std::string& rung) const;
 };

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <regex>
+#include <set>
 #include <utility>
 
 #include "base/file/output_file.h"
@@ -106,9 +107,11 @@ class Climber {
         fmt::format("{} {} {} {}", options_.stepper, options_.world, options_.first_seed, options_.seeds)};
     base_hash_ = hash_inputs(files, settings);
     const std::optional<Journal> journal = read_journal(folder_ / kJournal);
-    is_interrupted_ = journal && !journal->is_complete;
-    if (journal) written_ = journal->hashes;
-    if (options_.restart || !journal || is_interrupted_) return;
+    if (journal) {
+      for (const auto* hashes : {&journal->hashes, &journal->next_hashes})
+        for (const auto& [name, hash] : *hashes) written_[name].insert(hash);
+    }
+    if (options_.restart || !journal || !journal->is_complete) return;
     for (const auto& [name, hash] : journal->hashes) {
       if (made_at(name) > 0 && is_foreign(folder_ / name)) continue;  // the user's own
       const std::optional<std::string> text = read_own(folder_ / name);
@@ -252,14 +255,15 @@ class Climber {
     }
     fs::create_directories(file.parent_path());
     write_whole_file(file, text);
-    written_[name.string()] = hash_of(text);
+    written_[name.string()] = {hash_of(text)};
   }
 
   // Keeps a copy of a file that somebody has changed since bring-up has written it, or may have changed,
-  // where there is no journal. A call that was killed while it wrote has left files that no journal knows.
+  // where there is no journal. A call that was killed while it wrote has left files of before and of after
+  // it, and its journal knows both.
   void keep_edited(const fs::path& name, const std::string& text) {
     const auto known = written_.find(name.string());
-    if (is_interrupted_ || (known != written_.end() && known->second == hash_of(text))) return;
+    if (known != written_.end() && known->second.contains(hash_of(text))) return;
     fs::path copy = name;
     copy += ".bak";
     for (int number = 2; fs::exists(folder_ / copy); ++number)
@@ -281,8 +285,13 @@ class Climber {
     const RobotFiles files = current_ ? current_->files() : RobotFiles();
     for (const auto& [name, text] : files) next.hashes[name.string()] = hash_of(text);
     if (next.hashes != journal_.hashes) {
-      journal_.is_complete = false;
-      write(kJournal, journal_text(journal_));
+      Journal begun = journal_;
+      begun.is_complete = false;
+      begun.next_hashes = next.hashes;
+      // What an earlier call has left may still be there.
+      for (const auto& [name, hashes] : written_)
+        if (!begun.hashes.contains(name) && !hashes.empty()) begun.hashes[name] = *hashes.begin();
+      write(kJournal, journal_text(begun));
     }
     for (const auto& [name, text] : files) write(name, text);
     journal_ = std::move(next);
@@ -498,9 +507,8 @@ class Climber {
   const simulation::RobotParameters reference_;
   const BodyMeasures reference_body_;
   std::string base_hash_;
-  std::map<std::string, std::string> written_;  // hashes of the files as bring-up has written them
-  bool is_interrupted_ = false;                 // the last call, while it wrote
-  std::optional<Journal> before_;               // of an earlier call, as long as it applies
+  std::map<std::string, std::set<std::string>> written_;  // hashes of the files as bring-up has written them
+  std::optional<Journal> before_;                         // of an earlier call, as long as it applies
   Journal journal_;
   std::size_t rung_ = 0;
   std::optional<simulation::NamedModel> model_;

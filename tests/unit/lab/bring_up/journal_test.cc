@@ -37,6 +37,18 @@ TEST(Journal, IsReadAsItWasWritten) {
   EXPECT_EQ(journal->find("squats"), nullptr);
 }
 
+TEST(Journal, KnowsTheFilesOfBeforeAndAfterAWriteThatWasCut) {
+  Journal journal = example();
+  journal.is_complete = false;
+  journal.next_hashes = {{"go.yaml", "fedcba9876543210"}};
+  const ScratchFile file("json", journal_text(journal));
+  const auto read = read_journal(file.path());
+  ASSERT_TRUE(read);
+  EXPECT_FALSE(read->is_complete);
+  EXPECT_EQ(read->hashes, journal.hashes);
+  EXPECT_EQ(read->next_hashes, journal.next_hashes);
+}
+
 TEST(Journal, IsAbsentWithoutAFile) { EXPECT_FALSE(read_journal("/no/such/bring-up.json")); }
 
 TEST(Journal, RefusesFilesOfOthers) {
