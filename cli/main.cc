@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/file/standard_streams.h"
+#include "base/text/shell_word.h"
 #include "base/text/text.h"
 #include "cli/commands.h"
 #include "cli/help.h"
@@ -25,11 +26,7 @@ dump and can stats of a live bus or a pipe.
 // The command line as one would type it again, with `koboshi` for the path of the program.
 std::string command_line(int argc, char** argv) {
   std::string line = "koboshi";
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    const bool plain = argument.find_first_of(" \t\n'\"$&|;<>()[]{}*?#!\\`") == std::string::npos;
-    line += plain ? " " + argument : " '" + argument + "'";
-  }
+  for (int i = 1; i < argc; ++i) line += " " + koboshi::shell_word(argv[i]);
   return line;
 }
 

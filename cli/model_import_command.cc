@@ -14,11 +14,13 @@
 #include "base/file/standard_streams.h"
 #include "base/file/temporary_folder.h"
 #include "base/text/error.h"
+#include "base/text/shell_word.h"
 #include "base/text/text.h"
 #include "cli/commands.h"
 #include "sim_board/description/load.h"
 #include "simulation/scenario/paths.h"
 #include "tools/import/pipeline/import_robot.h"
+#include "tools/import/write/sdf_parts.h"
 #include "tools/robot_file/map/joint_pictures.h"
 #include "view/render/gl.h"
 
@@ -38,6 +40,7 @@ void add_servo(const std::string& argument, tools::ImportDecisions& decisions) {
   const std::size_t colon = argument.find(':');
   if (colon == std::string::npos) {
     decisions.answers["servo"] = argument;
+    decisions.places["answers/servo"] = {"--servo"};
     return;
   }
   std::string joints = argument.substr(colon + 1);
@@ -45,7 +48,11 @@ void add_servo(const std::string& argument, tools::ImportDecisions& decisions) {
     throw InputError("--servo", 0, one_line(argument), "TYPE, or TYPE:JOINT,JOINT");
   for (std::size_t begin = 0; begin <= joints.size();) {
     const std::size_t end = std::min(joints.find(',', begin), joints.size());
-    if (end > begin) decisions.servos[joints.substr(begin, end - begin)] = argument.substr(0, colon);
+    if (end > begin) {
+      const std::string joint = joints.substr(begin, end - begin);
+      decisions.servos[joint] = argument.substr(0, colon);
+      decisions.places["servos/" + joint] = {"--servo"};
+    }
     begin = end + 1;
   }
 }
@@ -73,20 +80,23 @@ tools::ImportOptions options_of(const ModelImportArguments& arguments, const Inv
     options.decisions_source = arguments.answers;
     tools::override_decisions(options.decisions, tools::read_decisions(arguments.answers));
   }
-  if (!arguments.servos.empty() && !std::filesystem::exists(options.decisions_source))
-    options.decisions_source = "--servo";  // the only decisions
   for (const std::string& servo : arguments.servos) add_servo(servo, options.decisions);
   if (isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0) options.ask = ask_person;
   return options;
 }
 
-// Loads the imported robot from a folder for trial. Throws InputError, naming the source.
+// Loads the imported robot from a folder for trial. Throws InputError, naming the source, and the link or
+// joint of robot.sdf, which nobody sees.
 sim_board::RobotDescription load_trial(const std::filesystem::path& source,
                                        const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "robot.sdf";
   try {
-    return sim_board::load_robot(folder / "robot.sdf");
+    return sim_board::load_robot(file);
   } catch (const InputError& error) {
-    throw InputError(source, 0, "a robot that cannot be simulated: " + error.found(), error.expected());
+    const std::string part = tools::part_at_line(file, error.line());
+    throw InputError(source, 0,
+                     "a robot that cannot be simulated: " + (part.empty() ? "" : part + ": ") + error.found(),
+                     error.expected());
   }
 }
 
@@ -109,7 +119,8 @@ void show_pictures(const std::filesystem::path& folder, std::string& page) {
   page.insert(std::min(page.find("\n## "), page.size()),
               "\n![the robot](robot.png)\n![its collision boxes](boxes.png)\n\n"
               "`koboshi model map " +
-                  folder.string() + " --pictures FOLDER` draws each joint turned by 20 degrees.\n");
+                  shell_word(folder.string()) +
+                  " --pictures FOLDER` draws each joint turned by 20 degrees.\n");
 }
 
 // Nothing is written of a robot that cannot be simulated.

@@ -12,6 +12,7 @@
 
 #include "base/file/output_file.h"
 #include "base/text/error.h"
+#include "base/text/shell_word.h"
 #include "base/text/text.h"
 #include "cli/commands.h"
 #include "cli/lab/session.h"
@@ -110,7 +111,8 @@ int submit_to_slurm(const lab::ScriptSetup& setup, const std::string& incomplete
   if (submitted.status != 0) return tools::kFailed;  // sbatch has said why
   const std::string job = submitted.output.substr(0, submitted.output.find_first_of(";\n"));
   write_whole_file(setup.folder / kSubmitted, nlohmann::ordered_json{{"slurm_job", job}}.dump() + "\n");
-  fmt::print("job {} plays the shards {}; koboshi lab status {}\n", job, array, arguments.out.string());
+  fmt::print("job {} plays the shards {}; koboshi lab status {}\n", job, array,
+             shell_word(arguments.out.string()));
   return 0;
 }
 

@@ -12,6 +12,7 @@
 #include "base/file/output_file.h"
 #include "base/file/standard_streams.h"
 #include "base/text/error.h"
+#include "base/text/shell_word.h"
 #include "base/text/text.h"
 #include "base/text/user_units.h"
 #include "cli/commands.h"
@@ -181,8 +182,9 @@ std::filesystem::path find_motion_file(const std::filesystem::path& given,
   std::error_code missing;
   if (!std::filesystem::is_regular_file(file, missing)) return file;
   if (const auto format = tools::recognise(read_text_file(file, "a motion file")))
-    throw InputError(file, 0, tools::name_of(*format),
-                     "a motion file: koboshi motion import " + file.string() + " makes one of it");
+    throw InputError(
+        file, 0, tools::name_of(*format),
+        "a motion file: koboshi motion import " + shell_word(file.string()) + " makes one of it");
   return file;
 }
 

@@ -1,6 +1,7 @@
 """`koboshi model import` from outside: the default robot, imported from its own file, still walks."""
 
 import filecmp
+import shlex
 import shutil
 import unittest
 
@@ -70,6 +71,28 @@ class ModelImport(unittest.TestCase):
                 self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
                 self.assertIn(expected, result.stderr)
                 self.assertFalse(out.exists())
+
+    def test_names_the_joint_that_cannot_be_simulated(self):
+        source = self.folder / "source" / "heavy.sdf"
+        text = self.source.read_text()
+        # The trunk of 40 kg is more than the format holds.
+        place = text.index("<mass>")
+        source.write_text(text[:place] + "<mass>40</mass>" + text[text.index("</mass>", place) + 7:])
+        out = self.folder / "heavy"
+        result = PROGRAM.run("model", "import", source, "-o", out)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertRegex(result.stderr, r"found a robot that cannot be simulated: link trunk: ")
+        self.assertFalse(out.exists())
+
+    def test_shows_a_command_that_the_shell_reads_whatever_the_folder_is_called(self):
+        out = self.folder / "Anna's robots" / "kit"
+        result = PROGRAM.run("model", "import", self.source, "-o", out)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        page = (out / "import.md").read_text()
+        shown = [line for line in page.splitlines() if line.startswith("`koboshi model map ")][0].split("`")[1]
+        self.assertEqual(shlex.split(shown)[3], str(out))
+        made_by = next(line for line in page.splitlines() if line.startswith("    koboshi model import "))
+        self.assertEqual(shlex.split(made_by)[-1], str(out))
 
 
 if __name__ == "__main__":

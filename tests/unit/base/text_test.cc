@@ -1,5 +1,7 @@
 #include "base/text/text.h"
 
+#include "base/text/shell_word.h"
+
 #include <gtest/gtest.h>
 
 #include <array>
@@ -129,6 +131,14 @@ TEST(Texts, AreFormattedForReaders) {
   EXPECT_EQ(count_text(2, "fault"), "2 faults");
   EXPECT_EQ(degrees_text(2.61799400), "150");  // as a robot's file has it, 150.00000699 degrees
   EXPECT_EQ(degrees_text(-0.25 * std::numbers::pi), "-45");
+}
+
+TEST(ShellWord, IsReadAsOneWordByTheShell) {
+  EXPECT_EQ(shell_word("robots/kit"), "robots/kit");
+  EXPECT_EQ(shell_word("Meine Roboter/kit"), "'Meine Roboter/kit'");
+  EXPECT_EQ(shell_word("the maker's"), "'the maker'\\''s'");
+  EXPECT_EQ(shell_word("~kit"), "'~kit'");
+  EXPECT_EQ(shell_word(""), "''");
 }
 
 }  // namespace

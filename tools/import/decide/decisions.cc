@@ -14,10 +14,13 @@ constexpr NumberRange kAngle_deg{-360.0, 360.0};
 
 template <typename Value, typename Read>
 void read_map(const YamlMap& root, const std::string& key, std::map<std::string, Value>& values,
-              const Read& read) {
+              ImportDecisions& decisions, const Read& read) {
   const auto map = root.optional_child(key);
   if (!map) return;
-  for (const auto& [name, value] : map->entries()) values[name] = read(value);
+  for (const auto& [name, value] : map->entries()) {
+    values[name] = read(value);
+    decisions.places[key + "/" + name] = {value.source(), value.line()};
+  }
 }
 
 // An answer may be a number or a boolean in YAML; the interview parses its text.
@@ -45,23 +48,33 @@ ImportDecisions read_decisions(const std::filesystem::path& file) {
   if (root.has("source")) static_cast<void>(root.text("source"));
   const auto text = [](const YamlValue& value) { return value.text(); };
   const auto angle = [](const YamlValue& value) { return value.number(kAngle_deg); };
-  read_map(root, "answers", decisions.answers, answer_text);
-  read_map(root, "joints", decisions.joints, text);
-  read_map(root, "locked_deg", decisions.locked_deg, angle);
-  read_map(root, "zero_deg", decisions.zero_deg, angle);
-  read_map(root, "limits_deg", decisions.limits_deg, [](const YamlValue& value) {
+  read_map(root, "answers", decisions.answers, decisions, answer_text);
+  read_map(root, "joints", decisions.joints, decisions, text);
+  read_map(root, "locked_deg", decisions.locked_deg, decisions, angle);
+  read_map(root, "zero_deg", decisions.zero_deg, decisions, angle);
+  read_map(root, "limits_deg", decisions.limits_deg, decisions, [](const YamlValue& value) {
     const std::vector<double> limits = value.numbers(2, kAngle_deg);
     if (limits[0] >= limits[1]) throw value.error("a lower limit below the upper one");
     return std::array{limits[0], limits[1]};
   });
-  read_map(root, "servos", decisions.servos, text);
+  read_map(root, "servos", decisions.servos, decisions, text);
   const std::vector<std::string> choices{"take", "keep"};
-  read_map(root, "repairs", decisions.repairs, [&](const YamlValue& value) { return value.one_of(choices); });
+  read_map(root, "repairs", decisions.repairs, decisions,
+           [&](const YamlValue& value) { return value.one_of(choices); });
   yaml.finish();
   return decisions;
 }
 
+InputError decision_error(const ImportDecisions& decisions, const std::string& key, const std::string& name,
+                          const std::filesystem::path& source, const std::string& found,
+                          const std::string& expected) {
+  const auto place = decisions.places.find(key + "/" + name);
+  if (place == decisions.places.end()) return InputError(source, 0, found, expected);
+  return InputError(place->second.source, place->second.line, found, expected);
+}
+
 void override_decisions(ImportDecisions& base, const ImportDecisions& other) {
+  override_map(base.places, other.places);
   override_map(base.answers, other.answers);
   override_map(base.joints, other.joints);
   override_map(base.locked_deg, other.locked_deg);
@@ -76,8 +89,8 @@ Interview::Interview(ImportDecisions given, Ask ask, std::filesystem::path sourc
 
 void Interview::refuse(const ImportQuestion& question, const std::string& answer,
                        const std::string& expected) const {
-  throw InputError(source_, 0, "the answer " + one_line(answer) + " to the question " + question.name,
-                   expected);
+  throw error("answers", question.name,
+              "the answer " + one_line(answer) + " to the question " + question.name, expected);
 }
 
 std::string Interview::decided(const ImportQuestion& question, const Expected& expected) {

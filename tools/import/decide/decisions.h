@@ -8,11 +8,20 @@
 #include <string>
 #include <vector>
 
+#include "base/text/error.h"
+
 namespace koboshi::tools {
 
 // Everything that an import decides and a user may decide otherwise: the content of import.yaml
 // (docs/reference/import-file.md). A file may have any part of it.
 struct ImportDecisions {
+  // Where a decision stands.
+  struct Place {
+    std::filesystem::path source{};  // the file, or the option of the command line
+    int line = 0;                    // 0: no line of a file
+  };
+  std::map<std::string, Place> places{};  // by "joints/left_knee"
+
   std::map<std::string, std::string> answers{};  // by the question's name
   std::map<std::string, std::string> joints{};   // joint of robot.sdf: joint of the source
   std::map<std::string, double> locked_deg{};    // joint of the source: its angle
@@ -24,6 +33,11 @@ struct ImportDecisions {
 
 // Reads a file of decisions. Throws InputError.
 [[nodiscard]] ImportDecisions read_decisions(const std::filesystem::path& file);
+
+// Returns an error about a decision, at its place; `source` is that of decisions without a place.
+[[nodiscard]] InputError decision_error(const ImportDecisions& decisions, const std::string& key,
+                                        const std::string& name, const std::filesystem::path& source,
+                                        const std::string& found, const std::string& expected);
 
 // Replaces the decisions of `base` by those of `other`, one by one.
 void override_decisions(ImportDecisions& base, const ImportDecisions& other);
@@ -51,6 +65,11 @@ class Interview {
   bool yes(ImportQuestion question);
 
   const ImportDecisions& given() const { return given_; }
+  // Returns an error about a given decision, at its place.
+  [[nodiscard]] InputError error(const std::string& key, const std::string& name, const std::string& found,
+                                 const std::string& expected) const {
+    return decision_error(given_, key, name, source_, found, expected);
+  }
   const std::vector<ImportQuestion>& questions() const { return questions_; }
 
   ImportDecisions taken{};  // by the stages

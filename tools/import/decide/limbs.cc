@@ -26,8 +26,9 @@ class LimbFinder {
   LimbFinder(const ImportedRobot& robot, const Eigen::Matrix3d& R_MR)
       : robot_(robot), X_ML_(turned_poses(robot, R_MR)) {
     for (std::size_t i = 0; i < robot.links.size(); ++i) {
+      corners_M_.push_back(corners(i));
       body_.extend(X_ML_[i].translation());
-      for (const Vector3d& corner : corners(i)) body_.extend(corner);
+      for (const Vector3d& corner : corners_M_[i]) body_.extend(corner);
     }
   }
 
@@ -49,11 +50,12 @@ class LimbFinder {
     return X_ML_[static_cast<std::size_t>(robot_.joints[joint].child)].translation();
   }
   std::vector<Vector3d> corners(std::size_t link) const {
-    const Eigen::AlignedBox3d extent = extent_of(robot_.links[link]);
+    const LinkBox box = box_of(robot_.links[link]);
     std::vector<Vector3d> points;
-    if (extent.isEmpty()) return points;
+    if (box.extent_G.isEmpty()) return points;
     for (int corner = 0; corner < 8; ++corner)
-      points.push_back(X_ML_[link] * extent.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+      points.push_back(X_ML_[link] * (box.R_LG * box.extent_G.corner(
+                                                     static_cast<Eigen::AlignedBox3d::CornerType>(corner))));
     return points;
   }
 
@@ -115,13 +117,14 @@ class LimbFinder {
       }
       if (at != link) continue;
       reach = std::max(reach, (X_ML_[i].translation() - from).norm());
-      for (const Vector3d& corner : corners(i)) reach = std::max(reach, (corner - from).norm());
+      for (const Vector3d& corner : corners_M_[i]) reach = std::max(reach, (corner - from).norm());
     }
     return reach;
   }
 
   const ImportedRobot& robot_;
   std::vector<Eigen::Isometry3d> X_ML_;
+  std::vector<std::vector<Vector3d>> corners_M_{};  // of the links' boxes
   Eigen::AlignedBox3d body_;
 };
 
@@ -156,27 +159,6 @@ bool is_letter_of_side(char letter, char side) {
   return std::tolower(static_cast<unsigned char>(letter)) == side;
 }
 
-// 1 if `one` is the name of the left one of two joints and `other` that of the right one, -1 the other way
-// round, 0 if their names do not differ by a side: left and right, or one letter l and r.
-int side_in_names(const std::string& one, const std::string& other) {
-  const auto lower = [](std::string text) {
-    for (char& letter : text) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-    return text;
-  };
-  const auto swapped = [&lower](const std::string& text, const std::string& side, const std::string& by) {
-    std::string name = lower(text);
-    const std::size_t at = name.find(side);
-    return at == std::string::npos ? std::string() : name.replace(at, side.size(), by);
-  };
-  if (swapped(one, "left", "right") == lower(other)) return 1;
-  if (swapped(one, "right", "left") == lower(other)) return -1;
-  if (one.size() != other.size()) return 0;
-  const auto [in_one, in_other] = std::ranges::mismatch(one, other);
-  if (in_one == one.end() || !std::equal(in_one + 1, one.end(), in_other + 1, other.end())) return 0;
-  if (is_letter_of_side(*in_one, 'l') && is_letter_of_side(*in_other, 'r')) return 1;
-  return is_letter_of_side(*in_one, 'r') && is_letter_of_side(*in_other, 'l') ? -1 : 0;
-}
-
 // A figure that tells the front of a pair of legs from its back: positive if `forward` is the front.
 class FrontEvidence {
  public:
@@ -195,10 +177,10 @@ class FrontEvidence {
   // Feet reach further forward from the ankle than backward.
   double of_foot(const Limb& leg) const {
     const auto link = static_cast<std::size_t>(robot_.joints[leg.joints.back()].child);
-    const Eigen::AlignedBox3d extent = extent_of(robot_.links[link]);
-    if (extent.isEmpty()) return 0.0;
+    const LinkBox box = box_of(robot_.links[link]);
+    if (box.extent_G.isEmpty()) return 0.0;
     constexpr double kClear = 0.05;  // of the leg's length
-    const double before_m = (X_RL_[link] * extent.center() - leg.last_m).dot(forward_);
+    const double before_m = (X_RL_[link] * box.center_L() - leg.last_m).dot(forward_);
     return std::abs(before_m) < kClear * leg.length_m().norm() ? 0.0 : std::copysign(1.0, before_m);
   }
 
@@ -231,6 +213,25 @@ class FrontEvidence {
 };
 
 }  // namespace
+
+int side_in_names(const std::string& one, const std::string& other) {
+  const auto lower = [](std::string text) {
+    for (char& letter : text) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    return text;
+  };
+  const auto swapped = [&lower](const std::string& text, const std::string& side, const std::string& by) {
+    std::string name = lower(text);
+    const std::size_t at = name.find(side);
+    return at == std::string::npos ? std::string() : name.replace(at, side.size(), by);
+  };
+  if (swapped(one, "left", "right") == lower(other)) return 1;
+  if (swapped(one, "right", "left") == lower(other)) return -1;
+  if (one.size() != other.size()) return 0;
+  const auto [in_one, in_other] = std::ranges::mismatch(one, other);
+  if (in_one == one.end() || !std::equal(in_one + 1, one.end(), in_other + 1, other.end())) return 0;
+  if (is_letter_of_side(*in_one, 'l') && is_letter_of_side(*in_other, 'r')) return 1;
+  return is_letter_of_side(*in_one, 'r') && is_letter_of_side(*in_other, 'l') ? -1 : 0;
+}
 
 std::vector<Limb> limbs_of(const ImportedRobot& robot, const Eigen::Matrix3d& R_MR) {
   return LimbFinder(robot, R_MR).find();

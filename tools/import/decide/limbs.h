@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "tools/import/robot/imported_robot.h"
@@ -21,6 +22,10 @@ struct Limb {
 // root link. A limb begins above the joints that several limbs share, such as a waist; of the fingers of a
 // hand only the one with the most joints belongs to the limb. All joints must be hinges.
 [[nodiscard]] std::vector<Limb> limbs_of(const ImportedRobot& robot, const Eigen::Matrix3d& R_MR);
+
+// Returns 1 if `one` is the name of the left one of two joints and `other` that of the right one, -1 the
+// other way round, 0 if their names do not differ by a side alone: left and right, or one letter l and r.
+[[nodiscard]] int side_in_names(const std::string& one, const std::string& other);
 
 // Two directions along axes of the root link, unit vectors.
 struct Directions {

@@ -244,8 +244,8 @@ void decide_roles(const ImportedRobot& robot, const Eigen::Matrix3d& R_MR, Inter
   std::map<std::string, std::string> roles = RoleFinder(robot, R_MR, report).find();
   for (const auto& [name, source] : interview.given().joints) {
     if (!robot.find_joint(source) && !interview.given().locked_deg.contains(source))
-      throw InputError(robot.file, 0, "no joint " + one_line(source) + " for " + name,
-                       "a joint of the source, or no such entry in joints");
+      throw interview.error("joints", name, "no joint " + one_line(source) + " for " + name,
+                            "a joint of the source, or no such entry in joints");
     std::erase_if(roles, [&](const auto& entry) { return entry.second == source; });
     roles[name] = source;
   }

@@ -1,12 +1,18 @@
 #include "tools/import/pipeline/import_exported.h"
 
+#include <fmt/format.h>
+
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/text/error.h"
+#include "base/text/foreign_text.h"
 #include "base/text/text.h"
 #include "sim_board/description/edit/model_field.h"
 #include "sim_board/description/load.h"
 #include "tools/import/decide/decisions_text.h"
+#include "tools/import/decide/known_decisions.h"
 #include "tools/import/pipeline/exported_robot.h"
 #include "tools/import/read/urdf_reader.h"
 #include "tools/import/write/import_page.h"
@@ -20,6 +26,20 @@ namespace fs = std::filesystem;
 
 bool names_servos(const ImportDecisions& decisions) {
   return !decisions.servos.empty() || decisions.answers.contains("servo");
+}
+
+// The robot's file decides what these would.
+void warn_of_unused(const ImportDecisions& given, ImportReport& report) {
+  std::vector<std::string> keys;
+  if (!given.joints.empty()) keys.emplace_back("joints");
+  if (!given.locked_deg.empty()) keys.emplace_back("locked_deg");
+  if (!given.zero_deg.empty()) keys.emplace_back("zero_deg");
+  if (!given.limits_deg.empty()) keys.emplace_back("limits_deg");
+  if (!given.repairs.empty()) keys.emplace_back("repairs");
+  if (keys.empty()) return;
+  report.warnings.push_back(fmt::format(
+      "{} of import.yaml left out, because the answer exported: yes takes the robot as it was exported",
+      fmt::join(keys, ", ")));
 }
 
 // Adds the meshes by their paths relative to the URDF.
@@ -47,6 +67,10 @@ std::optional<ImportResult> import_exported(const ImportOptions& options, Interv
                                             ImportReport& report) {
   const auto exported = find_exported_robot(options.file);
   if (!exported) return std::nullopt;
+  ImportReport scratch;
+  const ImportedRobot as_it_is = read_urdf(
+      options.file, with_line_feeds(read_text_file(options.file, "a URDF, SDF or MJCF file")), scratch);
+  require_known_names(interview.given(), as_it_is, options.decisions_source);
   const bool has_servos = names_servos(interview.given());
   if (!interview.yes(
           {"exported",
@@ -60,6 +84,7 @@ std::optional<ImportResult> import_exported(const ImportOptions& options, Interv
                      "exported: no, or no servos; koboshi model set changes those of the result");
   const auto text = updated_robot_file(options.file, *exported, report);
   if (!text) return std::nullopt;
+  warn_of_unused(interview.given(), report);
   const fs::path source = options.file.parent_path() / "robot.sdf";
   const sim_board::RobotDescription robot = sim_board::load_robot(source, *text);
   ImportResult result;

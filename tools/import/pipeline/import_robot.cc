@@ -19,6 +19,7 @@
 #include "tools/import/normalise/linkages.h"
 #include "tools/import/normalise/lock_joints.h"
 #include "tools/import/normalise/merge_links.h"
+#include "tools/import/normalise/one_sided_locks.h"
 #include "tools/import/normalise/repair_links.h"
 #include "tools/import/normalise/symmetry.h"
 #include "tools/import/normalise/zero_pose.h"
@@ -35,8 +36,8 @@ void apply_given_limits(ImportedRobot& robot, Interview& interview) {
   for (const auto& [name, limits_deg] : interview.given().limits_deg) {
     const auto index = robot.find_joint(name);
     if (!index)
-      throw InputError(robot.file, 0, "no joint " + one_line(name) + " for limits_deg",
-                       "a joint of robot.sdf");
+      throw interview.error("limits_deg", name, "no joint " + one_line(name) + " for limits_deg",
+                            "a joint of robot.sdf");
     ImportedJoint& joint = robot.joints[static_cast<std::size_t>(*index)];
     joint.lower_rad = kRadPerDegree * limits_deg[0];
     joint.upper_rad = kRadPerDegree * limits_deg[1];
@@ -58,7 +59,12 @@ void ask_for_linkages(Interview& interview, ImportReport& report) {
 
 std::filesystem::path relative_source(const ImportOptions& options) {
   std::error_code error;
-  const std::filesystem::path relative = std::filesystem::relative(options.file, options.output, error);
+  // Absolute: of two relative paths, the one that begins with a folder that does not exist yet would stay so.
+  const std::filesystem::path file = std::filesystem::absolute(options.file, error);
+  if (error) return options.file;
+  const std::filesystem::path output = std::filesystem::absolute(options.output, error);
+  if (error) return options.file;
+  const std::filesystem::path relative = std::filesystem::relative(file, output, error);
   return error || relative.empty() ? options.file : relative;
 }
 
@@ -71,9 +77,11 @@ ImportResult import_robot(const ImportOptions& options) {
 
   ImportedRobot source = read_foreign_robot(options.file, report);
   const std::set<std::string> source_names = names_in(source);
+  require_known_names(interview.given(), source, options.decisions_source);
   load_surfaces(source, MeshPaths(options.file, options.paths), report);
   repair_links(source, interview, report);
   move_actuators(source, report);
+  const ImportedRobot unlocked = source;
   lock_undriven_joints(source, interview, report);
   ImportedRobot robot = merge_fixed_links(source);
 
@@ -81,6 +89,7 @@ ImportResult import_robot(const ImportOptions& options) {
   decide_roles(robot, R_MR, interview, report);
   lock_extra_joints(robot, interview, report);
   robot = merge_fixed_links(robot);
+  warn_of_one_sided_locks(unlocked, robot, R_MR, interview, report);
   if (robot.joints.empty()) throw InputError(options.file, 0, "a robot without driven hinges", "one or more");
   limit_continuous_joints(robot, interview, report);
   repair_masses(robot, interview, report);
@@ -95,7 +104,7 @@ ImportResult import_robot(const ImportOptions& options) {
 
   const auto triangles = static_cast<std::size_t>(interview.number(
       {"triangles", "How many triangles may the meshes of a link have?", "4000", {}}, 12, 1e6));
-  RobotFileParts parts = decide_parts(robot, catalogue, interview);
+  RobotFileParts parts = decide_parts(robot, catalogue, interview, report);
   parts.meshes = make_link_meshes(robot, triangles, result.files, report);
   fit_boxes(robot, interview.taken.answers.at("symmetric") == "yes", report);
   clear_boxes(robot, interview, report);

@@ -160,6 +160,13 @@ class MjcfReader {
     const int best = static_cast<int>(std::ranges::max_element(hinges) - hinges.begin());
     for (const int body_root : root) kept_.push_back(body_root == best && body_root != 0);
     if (best == 0) throw InputError(robot_.file, 0, "a model without joints", "a robot");
+    std::string others;
+    for (int body = 1; body < model_.nbody; ++body)
+      if (model_.body_parentid[body] == 0 && body != best)
+        others += (others.empty() ? "" : ", ") + one_line(name_of(model_.name_bodyadr, body, "body"));
+    if (!others.empty())
+      report_.warnings.push_back(fmt::format("left out beside the robot {}: {}, with all that they carry",
+                                             one_line(name_of(model_.name_bodyadr, best, "body")), others));
   }
 
   // One link for the body, and one without mass in front of it for each further joint. A link's frame is at

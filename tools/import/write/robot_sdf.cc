@@ -260,22 +260,39 @@ class RobotWriter {
   double weight_N_ = 0.0;
 };
 
-// A name that the firmware's model holds: at most 24 bytes.
+// A name that the firmware's model holds: at most 24 bytes, cut between two characters.
 std::string short_name(const std::string& name) {
-  std::string text = one_line(name).substr(0, robot::kModelNameSize);
+  const std::string line = utf8_line(name);
+  std::size_t size = std::min(line.size(), robot::kModelNameSize);
+  while (size > 0 && find_invalid_utf8(std::string_view(line).substr(0, size)) != std::string_view::npos)
+    --size;
+  const std::string text(trimmed_name(std::string_view(line).substr(0, size)));
   return name_fault(text).empty() ? text : "robot";
+}
+
+// Asks for the robot's name. Warns of a name that is too long, of the source or of an answer.
+std::string decide_name(const std::string& of_source, Interview& interview, ImportReport& report) {
+  const std::string preset = short_name(of_source);
+  const std::string answer = interview.answer({"name", "What is the robot's name?", preset, {}});
+  const std::string& wanted = answer == preset ? of_source : answer;
+  std::string name = short_name(wanted);
+  if (name != wanted && !wanted.empty())
+    report.warnings.push_back(
+        fmt::format("the robot is named {} instead of {}, because its name has at most {} bytes and no "
+                    "control characters; `name` in import.yaml gives another one",
+                    name, utf8_line(wanted), robot::kModelNameSize));
+  return name;
 }
 
 }  // namespace
 
-RobotFileParts decide_parts(const ImportedRobot& robot, const ServoCatalogue& catalogue,
-                            Interview& interview) {
+RobotFileParts decide_parts(const ImportedRobot& robot, const ServoCatalogue& catalogue, Interview& interview,
+                            ImportReport& report) {
   RobotFileParts parts{.source = robot.file.filename().string(),
                        .servo = interview.taken.answers.at("servo")};
   for (const ImportedJoint& joint : robot.joints)
     if (!joint.is_follower && joint.servo != parts.servo) parts.servos[joint.name] = joint.servo;
-  parts.name =
-      short_name(interview.answer({"name", "What is the robot's name?", short_name(robot.name), {}}));
+  parts.name = decide_name(robot.name, interview, report);
   ImportQuestion imu{"imu",
                      "Where is the IMU: at the trunk's centre of mass (com), or in a frame of the trunk?",
                      "com",

@@ -33,7 +33,7 @@ struct RobotFileParts {
 
 // Asks for the parts that no file knows: name, IMU, friction and battery.
 [[nodiscard]] RobotFileParts decide_parts(const ImportedRobot& robot, const ServoCatalogue& catalogue,
-                                          Interview& interview);
+                                          Interview& interview, ImportReport& report);
 
 // Returns the text of robot.sdf of an aligned robot.
 [[nodiscard]] std::string robot_sdf(const ImportedRobot& robot, const RobotFileParts& parts,

@@ -107,6 +107,18 @@ TEST_F(ExportedRobotTest, ImportedRobotComesBackByteForByte) {
   EXPECT_EQ(import(urdf).files.at("robot.sdf"), read_text_file(root_ / "kit/robot.sdf", "a robot"));
 }
 
+TEST_F(ExportedRobotTest, ChecksTheNamesInDecisions) {
+  const fs::path urdf = exported(koboshi_);
+  ImportDecisions misspelt;
+  misspelt.zero_deg["left_kne"] = 5;
+  EXPECT_THROW(static_cast<void>(import(urdf, misspelt)), InputError);
+  ImportDecisions unused;
+  unused.zero_deg["left_knee"] = 5;
+  unused.repairs["trunk.mass"] = "keep";
+  EXPECT_TRUE(warns(import(urdf, unused), "zero_deg, repairs of import.yaml left out, because"));
+  EXPECT_FALSE(warns(import(urdf), "left out"));
+}
+
 TEST_F(ExportedRobotTest, ServoTypesOfLibrariesComeAlong) {
   fs::create_directories(root_ / "kit/meshes");
   fs::copy(koboshi_.parent_path() / "meshes", root_ / "kit/meshes");

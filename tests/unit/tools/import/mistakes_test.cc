@@ -64,7 +64,20 @@ TEST_F(ImportMistakes, AreDecisionsAboutWhatThereIsNot) {
        "found left_knee in locked_deg, expected a joint of the source"},
       {[](auto& given) { given.answers["upp"] = "z"; },
        "found upp in answers, expected the name of a question; did you mean up?"},
+      {[](auto& given) { given.locked_deg["l4"] = 5; },
+       "found l4 in locked_deg, expected a joint of the source"},
+      {[](auto& given) {
+         given.limits_deg["left_kne"] = {0, 5};
+       },
+       "found left_kne in limits_deg, expected a joint of robot.sdf; did you mean left_knee?"},
       {[](auto& given) { given.repairs["j_x7.speed"] = "keep"; }, "found j_x7 in repairs"},
+      {[](auto& given) { given.repairs["left_shank.inertai"] = "keep"; },
+       "found left_shank.inertai in repairs, expected com, inertia or mass behind the dot; did you mean "
+       "inertia?"},
+      {[](auto& given) { given.repairs["j_l4.mass"] = "keep"; },
+       "found j_l4.mass in repairs, expected limits, lower, speed or upper behind the dot"},
+      {[](auto& given) { given.repairs["trunk"] = "keep"; },
+       "found trunk in repairs, expected PART.WHAT, such as trunk.mass"},
       {[](auto& given) {
          given.joints = {{"left_kne", "j_l4"}};
        },
@@ -85,6 +98,101 @@ TEST_F(ImportMistakes, AreDecisionsAboutWhatThereIsNot) {
   EXPECT_EQ(complaint(urdf, older), "none");
 }
 
+// Nobody answers a dozen questions to learn that a name is misspelt.
+TEST_F(ImportMistakes, AreNamedBeforeTheFirstQuestion) {
+  const std::vector<std::function<void(ImportDecisions&)>> mistakes{
+      [](auto& given) { given.servos["left_kne"] = "mx_28"; },
+      [](auto& given) { given.zero_deg["left_kne"] = 5; },
+      [](auto& given) {
+        given.limits_deg["left_kne"] = {0, 5};
+      },
+      [](auto& given) { given.locked_deg["j_l44"] = 5; },
+      [](auto& given) { given.answers["upp"] = "z"; },
+      [](auto& given) { given.joints["left_knee"] = "j_l44"; },
+      [](auto& given) { given.repairs["left_shnk.mass"] = "keep"; }};
+  for (std::size_t i = 0; i < mistakes.size(); ++i) {
+    ImportDecisions decisions;
+    mistakes[i](decisions);
+    int questions = 0;
+    EXPECT_THROW(static_cast<void>(import(KitRobot().text(), decisions,
+                                          [&](const ImportQuestion&) {
+                                            ++questions;
+                                            return std::string();
+                                          })),
+                 InputError)
+        << i;
+    EXPECT_EQ(questions, 0) << i;
+  }
+}
+
+TEST_F(ImportMistakes, AreNamedWithTheirLine) {
+  const std::filesystem::path map = temporary_.path / "import.yaml";
+  const auto complaint_of = [&](const std::string& text) {
+    std::ofstream(map, std::ios::binary) << "version: 1\n" << text;
+    return complaint(KitRobot().text(), read_decisions(map));
+  };
+  EXPECT_THAT(complaint_of("servos:\n  left_knee: mx_28\n  left_kne: mx_28\n"),
+              HasSubstr("import.yaml:4: found left_kne in servos"));
+  EXPECT_THAT(complaint_of("answers:\n  servo: mx28\n"),
+              HasSubstr("import.yaml:3: found the answer mx28 to the question servo"));
+  EXPECT_THAT(complaint_of("joints:\n  left_knee: j_l44\n"),
+              HasSubstr("import.yaml:3: found no joint j_l44"));
+  EXPECT_THAT(complaint_of("servos:\n  j_l4: mx_28\n"), HasSubstr("import.yaml:3: found j_l4 in servos"));
+  EXPECT_THAT(complaint_of("limits_deg:\n  j_l4: [0, 5]\n"), HasSubstr("import.yaml:3: found no joint j_l4"));
+}
+
+TEST_F(ImportMistakes, AreLocksOfOneSide) {
+  const auto warnings = [&](const KitRobot& kit, const ImportDecisions& decisions) {
+    std::string text;
+    for (const std::string& line : import(kit.text(), decisions).report.warnings) text += line + "\n";
+    return text;
+  };
+  ImportDecisions decisions;
+  decisions.locked_deg["j_lc"] = 10;  // an elbow
+  EXPECT_THAT(warnings({}, decisions),
+              HasSubstr("j_rc is locked, too, because its mirror image j_lc is: a role needs both sides"));
+  decisions.answers["lock_other_joints"] = "no";
+  EXPECT_THAT(warnings({}, decisions), HasSubstr("j_lc is locked, while its mirror image j_rc has a drive"));
+  decisions.locked_deg["j_rc"] = 10;
+  EXPECT_THAT(warnings({}, decisions), testing::Not(HasSubstr("mirror image")));
+  // Names without sides: by place and axis.
+  std::string text = KitRobot().text();
+  for (const auto& [name, other] : {std::pair("\"j_lc\"", "\"m7\""), std::pair("\"j_rc\"", "\"m12\"")})
+    text.replace(text.find(name), std::string(name).size(), other);
+  ImportDecisions by_place;
+  by_place.locked_deg["m7"] = 10;
+  by_place.answers["lock_other_joints"] = "no";
+  EXPECT_THAT(import(text, by_place).report.warnings,
+              testing::Contains(HasSubstr("m7 is locked, while its mirror image m12 has a drive")));
+}
+
+TEST_F(ImportMistakes, AreNamesThatAreTooLong) {
+  const ImportResult result =
+      import(with("robot name=\"kit\"", "robot name=\"kleiner Läufer aus Köln, zweiter Bau\""), {});
+  EXPECT_THAT(
+      result.report.warnings,
+      testing::Contains(HasSubstr("the robot is named kleiner Läufer aus Köl instead of kleiner Läufer "
+                                  "aus Köln, zweiter Bau, because its name has at most 24 bytes")));
+  EXPECT_THAT(result.files.at("robot.sdf"), HasSubstr("<model name=\"kleiner Läufer aus Köl\""));
+  ImportDecisions decisions;
+  decisions.answers["name"] = "a name of more than 24 bytes";
+  EXPECT_THAT(import(KitRobot().text(), decisions).report.warnings,
+              testing::Contains(HasSubstr("instead of a name of more than 24 bytes")));
+  EXPECT_THAT(import(KitRobot().text(), {}).report.warnings,
+              testing::Not(testing::Contains(HasSubstr("is named"))));
+}
+
+TEST_F(ImportMistakes, AreNoPathsToTheSourceFromAFolderThatDoesNotExistYet) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(temporary_.path);
+  const std::filesystem::path source = relative_source({.file = "kits/kit.urdf", .output = "new/robots/kit"});
+  std::filesystem::create_directories("new/robots");
+  const std::filesystem::path again = relative_source({.file = "kits/kit.urdf", .output = "new/robots/kit"});
+  std::filesystem::current_path(before);
+  EXPECT_EQ(source, "../../../kits/kit.urdf");
+  EXPECT_EQ(again, source);
+}
+
 TEST_F(ImportMistakes, AreKindsOfJointsThatThereAreNot) {
   EXPECT_THAT(complaint(with("type=\"revolute\"", "type=\"Revolute\"")),
               HasSubstr("found a joint of the type Revolute, expected "));
@@ -98,6 +206,20 @@ TEST_F(ImportMistakes, AreLimitsInDegrees) {
       HasSubstr("found a limit of -90 rad for j_n, expected at most 12.57 rad, two turns; did you mean -90 "
                 "degrees?"));
   EXPECT_EQ(complaint(with("lower=\"-1.5\" upper=\"1.5\"", "lower=\"-6.28\" upper=\"6.28\"")), "none");
+}
+
+// Who converts only the limits that are refused would get an ankle that turns by ten radians.
+TEST_F(ImportMistakes, AreSmallLimitsInDegreesBesideLargeOnes) {
+  std::string text = with("lower=\"-1.5\" upper=\"1.5\"", "lower=\"-90\" upper=\"90\"");
+  const std::string head = "lower=\"-1\" upper=\"1\"";
+  text.replace(text.find(head), head.size(), "lower=\"-10\" upper=\"10\"");
+  EXPECT_THAT(complaint(text),
+              HasSubstr("did you mean -90 degrees? The limits of j_h look like degrees, too"));
+  EXPECT_THAT(
+      import(with(head, "lower=\"-10\" upper=\"10\""), {}).report.warnings,
+      testing::Contains(HasSubstr("j_h turns by up to 10 rad; if the file means degrees, write 0.1745")));
+  EXPECT_THAT(import(with(head, "lower=\"-6.28\" upper=\"6.28\""), {}).report.warnings,
+              testing::Not(testing::Contains(HasSubstr("degrees"))));
 }
 
 TEST_F(ImportMistakes, AreNotHingesWithoutARange) {
@@ -117,6 +239,29 @@ TEST_F(ImportMistakes, AreNamedByMuJoCoToTheEnd) {
                 "<body name=\"leg\"><joint name=\"hip\"/><inertial pos=\"0 0 0\" mass=\"0\" "
                 "diaginertia=\"0 0 0\"/></body></body></worldbody></mujoco>\n"),
       HasSubstr("name = leg"));
+}
+#endif
+
+#ifdef KOBOSHI_HAS_MUJOCO
+TEST_F(ImportMistakes, AreNoFurtherBodiesWithoutAWord) {
+  const std::string leg =
+      "<body name=\"leg\"><joint name=\"hip\" range=\"-90 90\" limited=\"true\"/><geom type=\"box\" "
+      "size=\".1 "
+      ".1 .1\"/></body>";
+  const std::string others =
+      "<body name=\"table\"><geom type=\"box\" size=\".1 .1 .1\"/></body><body name=\"ball\"><freejoint/>"
+      "<geom type=\"sphere\" size=\".1\"/></body>";
+  const auto warnings = [&](const std::string& beside) {
+    return import("<mujoco><worldbody>" + beside +
+                      "<body name=\"trunk\"><freejoint/><geom type=\"box\" size=\".1 .1 "
+                      ".1\"/>" +
+                      leg + "</body></worldbody></mujoco>\n",
+                  {})
+        .report.warnings;
+  };
+  EXPECT_THAT(warnings(others),
+              testing::Contains("left out beside the robot trunk: table, ball, with all that they carry"));
+  EXPECT_THAT(warnings(""), testing::Not(testing::Contains(HasSubstr("left out"))));
 }
 #endif
 
