@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "base/file/output_file.h"
+#include "base/file/overwrite.h"
 #include "cli/options.h"
 #include "sim_board/description/load.h"
 #include "simulation/gait/gait_motion.h"
@@ -32,12 +33,13 @@ void make_gait(const GaitArguments& arguments) {
   const sim_board::RobotDescription robot =
       sim_board::load_robot(simulation::find_input(simulation::InputKind::kRobot, arguments.robot));
   const simulation::NamedModel model = simulation::load_named_model(robot);
-  const simulation::Gait gait =
-      simulation::read_gait(simulation::find_input(simulation::InputKind::kGait, arguments.gait), overrides);
+  const std::filesystem::path file = simulation::find_input(simulation::InputKind::kGait, arguments.gait);
+  const simulation::Gait gait = simulation::read_gait(file, overrides);
   const simulation::MotionSource motion = simulation::make_gait_motion(gait, robot, model);
   static_cast<void>(simulation::compile_motion(motion, model));  // throws where the firmware would refuse it
 
   const std::filesystem::path prefix = arguments.out.empty() ? std::filesystem::path("walk") : arguments.out;
+  refuse_to_overwrite({file}, prefix.string() + ".yaml");
   write_whole_file(prefix.string() + ".yaml", simulation::gait_motion_text(motion, model));
   tools::draw_gait(gait, robot, model, prefix);
   const simulation::GaitPlan plan(gait);

@@ -1,11 +1,10 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <system_error>
 
 #include <fmt/core.h>
 
-#include "base/text/error.h"
+#include "base/file/overwrite.h"
 #include "cli/commands.h"
 #include "simulation/scenario/paths.h"
 #include "tools/robot_file/urdf/export_urdf.h"
@@ -21,9 +20,7 @@ struct ModelExportArguments {
 
 void export_model(const ModelExportArguments& arguments) {
   const std::filesystem::path robot = simulation::find_input(simulation::InputKind::kRobot, arguments.robot);
-  std::error_code missing;
-  if (std::filesystem::equivalent(robot, arguments.urdf, missing))
-    throw InputError(arguments.urdf, 0, "the input as the output", "another file for the URDF");
+  refuse_to_overwrite({robot}, arguments.urdf);
   for (const std::filesystem::path& file : tools::export_urdf(robot, arguments.urdf, arguments.package))
     fmt::print("{}\n", file.string());
 }

@@ -11,6 +11,7 @@
 
 #include <fmt/core.h>
 
+#include "base/file/overwrite.h"
 #include "base/file/standard_streams.h"
 #include "base/file/temporary_folder.h"
 #include "base/text/error.h"
@@ -123,10 +124,30 @@ void show_pictures(const std::filesystem::path& folder, std::string& page) {
                   " --pictures FOLDER` draws each joint turned by 20 degrees.\n");
 }
 
+// A source in the robot's own folder, as `koboshi model export` may have put it there, loses neither itself
+// nor its meshes.
+void refuse_own_source(const ModelImportArguments& arguments, const tools::FolderFiles& files) {
+  for (const auto& [name, content] : files) refuse_to_overwrite({arguments.file}, arguments.output / name);
+  std::error_code missing;
+  const std::filesystem::path folder = std::filesystem::absolute(arguments.file).parent_path();
+  if (!std::filesystem::equivalent(folder, arguments.output, missing)) return;
+  for (const auto& entry : std::filesystem::directory_iterator(arguments.output / "meshes", missing)) {
+    const auto mesh = files.find("meshes/" + entry.path().filename().string());
+    const bool stays = mesh != files.end() ? mesh->second == read_text_file(entry.path(), "a mesh")
+                                           : entry.path().extension() != ".stl";
+    if (!stays)
+      throw InputError(
+          arguments.file, 0,
+          "a source in the folder of the robot, whose mesh " + entry.path().string() + " the import replaces",
+          "source and meshes in another folder");
+  }
+}
+
 // Nothing is written of a robot that cannot be simulated.
 void import_model(const ModelImportArguments& arguments, const Invocation& invocation) {
   tools::check_import_folder(arguments.output);
   tools::ImportResult result = tools::import_robot(options_of(arguments, invocation));
+  refuse_own_source(arguments, result.files);
   const TemporaryFolder trial;
   tools::write_import_folder(trial.path(), result.files);
   const bool has_pictures = draw_pictures(load_trial(arguments.file, trial.path()), trial.path());

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/file/output_file.h"
+#include "base/file/overwrite.h"
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "cli/commands.h"
@@ -63,6 +64,7 @@ void import_policy(const PolicyArguments& arguments) {
   const tools::QuantisedPolicy policy = tools::quantise(network, map, rows, robot, arguments.file);
   const std::filesystem::path out =
       arguments.out.empty() ? std::filesystem::path(arguments.file.stem().string() + ".kpol") : arguments.out;
+  refuse_to_overwrite({arguments.file, arguments.map, arguments.inputs}, out);
   write_whole_file(out, {reinterpret_cast<const char*>(policy.image.data()), policy.image.size()});
   fmt::print("{}: {} bytes for robot model {:08x}; {} weights, at most {} of {} instructions in a tick\n",
              out.string(), policy.image.size(), robot.model.id, policy.weights, policy.work,

@@ -14,6 +14,7 @@
 
 #include <fmt/core.h>
 
+#include "base/file/overwrite.h"
 #include "base/file/standard_streams.h"
 #include "base/text/error.h"
 #include "base/text/text.h"
@@ -105,6 +106,7 @@ void render_run(RenderArguments& arguments) {
   set_size(arguments.size, arguments.options);
   set_camera(arguments, arguments.options.camera);
   arguments.options.overlays = overlays_of(arguments.overlays);
+  refuse_to_overwrite({arguments.run, arguments.run / "run.mcap"}, arguments.options.out);
   const view::Recording recording = view::read_recording(arguments.run);
   warn_of_meshes(recording);
   tools::Interrupt interrupt;

@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include "base/file/overwrite.h"
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "cli/commands.h"
@@ -46,6 +47,9 @@ void describe(const view::Recording& recording, const std::filesystem::path& run
 }
 
 void replay(const ReplayArguments& arguments) {
+  for (const std::filesystem::path& out : {arguments.html, arguments.gltf})
+    for (const std::filesystem::path& run : {arguments.run, arguments.other})
+      if (!run.empty()) refuse_to_overwrite({run, run / "run.mcap"}, out);
   const view::Recording recording = view::read_recording(arguments.run);
   describe(recording, arguments.run);
   warn_of_meshes(recording);

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "base/file/output_file.h"
+#include "base/file/overwrite.h"
 #include "simulation/host/qemu_host.h"
 #include "simulation/record/summary.h"
 #include "simulation/scenario/paths.h"
@@ -24,9 +25,10 @@ struct TargetReportArguments {
 
 void report_target(const TargetReportArguments& arguments) {
   const auto image = arguments.image.empty() ? simulation::default_image() : arguments.image;
-  const tools::TargetReport report = tools::measure_target(
-      simulation::read_scenario(simulation::find_input(simulation::InputKind::kScenario, arguments.scenario)),
-      image);
+  const auto scenario = simulation::find_input(simulation::InputKind::kScenario, arguments.scenario);
+  for (const std::filesystem::path& out : {arguments.page, arguments.json})
+    refuse_to_overwrite({scenario, image}, out);
+  const tools::TargetReport report = tools::measure_target(simulation::read_scenario(scenario), image);
   if (!arguments.page.empty()) write_whole_file(arguments.page, tools::to_page(report, arguments.scenario));
   if (!arguments.json.empty()) simulation::write_json(arguments.json, tools::to_json(report));
   fmt::print("{}\n", tools::to_tables(report));

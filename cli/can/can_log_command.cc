@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/file/output_file.h"
+#include "base/file/overwrite.h"
 #include "base/file/standard_streams.h"
 #include "base/text/error.h"
 #include "base/text/foreign_text.h"
@@ -163,6 +164,7 @@ void write_export(const CanExportArguments& arguments) {
   if (extension != ".csv" && extension != ".asc")
     throw InputError("--out", 0, one_line(arguments.out.string()), "a file with the extension .csv or .asc");
   bus::check_log(arguments.log);
+  refuse_to_overwrite({arguments.log.place, arguments.log.place / "can.log"}, arguments.out);
   const bus::Network network = network_of(arguments.robot);
   tools::Interrupt interrupt;
   const OpenedSource opened = open_source(arguments.log, {}, interrupt);

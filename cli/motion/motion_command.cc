@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/file/output_file.h"
+#include "base/file/overwrite.h"
 #include "base/file/standard_streams.h"
 #include "base/text/error.h"
 #include "base/text/foreign_text.h"
@@ -69,13 +70,6 @@ void write(const std::filesystem::path& file, const std::string& text) {
   }
 }
 
-// Refuses to replace a source by its image, or an image by its source.
-void refuse_own_input(const std::filesystem::path& in, const std::filesystem::path& out) {
-  std::error_code missing;
-  if (std::filesystem::equivalent(in, out, missing))
-    throw InputError(out, 0, "the input as the output", "another file for the result");
-}
-
 std::string bytes_text(const std::vector<std::byte>& image) {
   return {reinterpret_cast<const char*>(image.data()), image.size()};
 }
@@ -109,7 +103,7 @@ int compile(const MotionArguments& arguments) {
   if (image.empty()) return kBadMotion;
   std::filesystem::path out = arguments.out;
   if (out.empty()) out = arguments.motion().stem().string() + ".kmot";
-  refuse_own_input(arguments.motion(), out);
+  refuse_to_overwrite({arguments.motion(), arguments.robot}, out);
   write_whole_file(out, bytes_text(image));
   if (!arguments.json)
     fmt::print("{}: {} bytes for robot model {:08x}\n", out.string(), image.size(), model.model.id);
@@ -117,7 +111,7 @@ int compile(const MotionArguments& arguments) {
 }
 
 int decompile(const MotionArguments& arguments) {
-  refuse_own_input(arguments.motion(), arguments.out);
+  refuse_to_overwrite({arguments.motion(), arguments.robot}, arguments.out);
   const std::string bytes = read_text_file(arguments.motion(), "the image of a motion");
   write(arguments.out, simulation::decompile_motion(std::as_bytes(std::span(bytes)), load(arguments),
                                                     arguments.motion().string()));

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include "base/file/output_file.h"
+#include "base/file/overwrite.h"
 #include "base/file/standard_streams.h"
 #include "base/text/error.h"
 #include "base/text/text.h"
@@ -38,9 +39,7 @@ void export_file(const MotionExportArguments& arguments) {
       simulation::compile_motion(source, model));  // a motion that the robot refuses is not exported
   const tools::ExportedMotion exported =
       tools::export_motion(source, *tools::writable_format(arguments.format), robot, model, arguments.map);
-  std::error_code missing;
-  if (std::filesystem::equivalent(file, arguments.out, missing))
-    throw InputError(arguments.out, 0, "the input as the output", "another file for the result");
+  refuse_to_overwrite({file, robot_file, arguments.map}, arguments.out);
   write_whole_file(arguments.out, exported.bytes);
   for (const std::string& line : exported.report) print_error("{}: {}\n", file.string(), utf8_line(line));
   print_error("{}: {}, {:.3f} s\n", file.string(), count_text(exported.frames, "key frame"),

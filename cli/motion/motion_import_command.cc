@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "base/file/output_file.h"
+#include "base/file/overwrite.h"
 #include "base/file/standard_streams.h"
 #include "base/text/error.h"
 #include "base/text/shell_word.h"
@@ -167,9 +168,7 @@ int import_motion(MotionImportArguments& arguments) {
     fmt::print("{}", text);
     return 0;
   }
-  std::error_code missing;
-  if (std::filesystem::equivalent(file, arguments.out, missing))
-    throw InputError(arguments.out, 0, "the input as the output", "another file for the result");
+  refuse_to_overwrite({file, arguments.map}, arguments.out);
   write_whole_file(arguments.out, text);
   return 0;
 }

@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "base/file/output_file.h"
+#include "base/file/overwrite.h"
 #include "base/file/standard_streams.h"
 #include "base/text/error.h"
 #include "base/text/text.h"
@@ -109,9 +110,7 @@ int retarget(const MotionRetargetArguments& arguments) {
   tools::RetargetedMotion result =
       tools::retarget_program(simulation::read_motion_file(file), {from.robot(), from.model()},
                               {to.robot(), to.model()}, arguments.by_targets, options);
-  std::error_code missing;
-  if (std::filesystem::equivalent(file, arguments.out, missing))
-    throw InputError(arguments.out, 0, "the input as the output", "another file for the result");
+  refuse_to_overwrite({file, from_file, to_file}, arguments.out);
   const auto print_report = [&] {
     for (const std::string& line : result.report) print_error("{}: {}\n", file.string(), utf8_line(line));
   };

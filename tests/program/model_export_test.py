@@ -42,6 +42,33 @@ class ModelExport(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn('filename="package://koboshi_description/meshes/trunk_frame.stl"', urdf.read_text())
 
+    def test_destroys_no_meshes(self):
+        folder = self.folder / "others"
+        shutil.copytree(ROBOT, folder, ignore=shutil.ignore_patterns("motions"))
+        foreign = folder / "meshes" / "trunk_frame.stl"
+        foreign.write_bytes(b"another robot's")
+        before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+        result = PROGRAM.run("model", "export", "koboshi", "--urdf", folder / "koboshi.urdf")
+        self.assertEqual(result.returncode, 2, result.stdout)
+        self.assertIn("trunk_frame.stl: found another file of this name", result.stderr)
+        own = next(path for path in before if path.suffix == ".stl" and path != foreign)
+        result = PROGRAM.run("model", "export", folder, "--urdf", own)
+        self.assertEqual(result.returncode, 2, result.stdout)
+        self.assertIn("found the input as the output", result.stderr)
+        self.assertEqual({path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}, before)
+
+    def test_replaces_an_earlier_export(self):
+        robot = self.folder / "mine"
+        shutil.copytree(ROBOT, robot, ignore=shutil.ignore_patterns("motions"))
+        urdf = self.folder / "twice" / "koboshi.urdf"
+        self.assertEqual(PROGRAM.run("model", "export", robot, "--urdf", urdf).returncode, 0)
+        mesh = robot / "meshes" / "trunk_frame.stl"
+        shutil.copy(robot / "meshes" / "left_foot.stl" if (robot / "meshes" / "left_foot.stl").exists()
+                    else next(path for path in (robot / "meshes").iterdir() if path != mesh), mesh)
+        result = PROGRAM.run("model", "export", robot, "--urdf", urdf)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual((urdf.parent / "meshes" / "trunk_frame.stl").read_bytes(), mesh.read_bytes())
+
     def test_refuses_bad_input_in_one_line(self):
         folder = self.folder / "refused" / "folder"
         folder.mkdir(parents=True)

@@ -72,6 +72,17 @@ class ModelImport(unittest.TestCase):
                 self.assertIn(expected, result.stderr)
                 self.assertFalse(out.exists())
 
+    def test_destroys_no_source_in_its_own_folder(self):
+        own = self.folder / "own"
+        shutil.copytree(self.robot, own)
+        shutil.copy(self.source, own / "kit.sdf")  # beside the meshes of the import
+        before = {path: path.read_bytes() for path in own.rglob("*") if path.is_file()}
+        for source in ("robot.sdf", "kit.sdf"):
+            with self.subTest(source):
+                result = PROGRAM.run("model", "import", own / source, "-o", own)
+                self.assertEqual(result.returncode, 2, result.stdout)
+                self.assertEqual({path: path.read_bytes() for path in own.rglob("*") if path.is_file()}, before)
+
     def test_names_the_joint_that_cannot_be_simulated(self):
         source = self.folder / "source" / "heavy.sdf"
         text = self.source.read_text()

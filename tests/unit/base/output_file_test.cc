@@ -10,6 +10,7 @@
 #include <string>
 #include <system_error>
 
+#include "base/file/overwrite.h"
 #include "base/text/error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -144,6 +145,17 @@ TEST(OutputFile, TruncatesTheRowThatDidNotFit) {
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, handler);
   EXPECT_EQ(read_file(file), "one\ntwo\n");
+}
+
+TEST(RefuseToOverwrite, AnInputUnderWhateverName) {
+  const TemporaryFolder folder;
+  const fs::path input = folder.path / "input";
+  write_whole_file(input, "text");
+  fs::create_symlink(input, folder.path / "link");
+  EXPECT_THROW(refuse_to_overwrite({"other", input}, input), InputError);
+  EXPECT_THROW(refuse_to_overwrite({input}, folder.path / "link"), InputError);
+  EXPECT_NO_THROW(refuse_to_overwrite({input, ""}, folder.path / "new"));
+  EXPECT_NO_THROW(refuse_to_overwrite({folder.path / "new"}, folder.path / "new"));
 }
 
 }  // namespace

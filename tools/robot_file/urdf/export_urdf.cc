@@ -7,6 +7,7 @@
 
 #include "base/edit/xml_document.h"
 #include "base/file/output_file.h"
+#include "base/file/overwrite.h"
 #include "base/text/error.h"
 #include "base/text/foreign_text.h"
 #include "base/text/text.h"
@@ -49,6 +50,22 @@ std::string with_servo_types(const fs::path& file) {
   return with_line_feeds(document.text());
 }
 
+// Refuses to destroy the robot's meshes, and files of others in the folder of the URDF. An earlier export may
+// be replaced.
+void require_own_files(const fs::path& urdf, const FolderFiles& files, const std::set<fs::path>& meshes,
+                       const fs::path& folder) {
+  std::error_code missing;
+  for (const fs::path& mesh : meshes) refuse_to_overwrite({folder / mesh}, urdf);
+  if (fs::exists(urdf, missing) && read_text_file(urdf, "a URDF").find("<koboshi>") != std::string::npos)
+    return;
+  for (const auto& [name, content] : files) {
+    const fs::path file = urdf.parent_path() / name;
+    if (fs::exists(file, missing) && read_text_file(file, "a file") != content)
+      throw InputError(file, 0, "another file of this name",
+                       "a folder without it, or that of an earlier export");
+  }
+}
+
 }  // namespace
 
 fs::path path_in_folder(const fs::path& file, const fs::path& folder) {
@@ -83,6 +100,7 @@ std::vector<fs::path> export_urdf(const fs::path& robot_file, const fs::path& ur
     add_licences(robot_file, files, ignored);
     for (const fs::path& mesh : meshes) files[mesh.string()] = read_text_file(folder / mesh, "a mesh");
   }
+  require_own_files(urdf, files, meshes, folder);
   std::vector<fs::path> written{urdf};
   for (const auto& [name, content] : files) {
     const fs::path file = urdf.parent_path() / name;
