@@ -29,6 +29,12 @@ std::optional<MakerDescription> load_maker(const XmlNode& joint) {
   return maker;
 }
 
+std::vector<std::string> names_of(const ServoTypes& types) {
+  std::vector<std::string> names;
+  for (const auto& [name, type] : types) names.push_back(name);
+  return names;
+}
+
 std::string text_or_empty(const XmlNode& joint, const std::string& key) {
   const auto node = joint.find(key);
   return node ? node->text() : std::string();
@@ -72,7 +78,8 @@ JointDescription load_joint(const XmlNode& node, const ModelFrames& frames, cons
   const XmlNode servo = node.child("koboshi:servo");
   const auto type = servo_types.find(servo.attribute("type"));
   if (type == servo_types.end())
-    throw servo.error("type = " + one_line(servo.attribute("type")), "the name of a koboshi:servo_type");
+    throw servo.error("type = " + one_line(servo.attribute("type")),
+                      expected_servo_type(servo.attribute("type"), names_of(servo_types)));
   description.gear = servo.attribute_number("gear", 1.0);
   description.servo = behind_gear(type->second, description.gear);
   description.encoder = load_encoder(node.child("koboshi:encoder"));

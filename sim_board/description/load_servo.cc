@@ -138,6 +138,12 @@ ServoDescription behind_gear(ServoDescription servo, double ratio) {
   return servo;
 }
 
+std::string expected_servo_type(const std::string& misspelt, std::span<const std::string> known) {
+  const std::string own = known.empty() ? "" : ": " + expected_names(misspelt, known);
+  return "the name of a koboshi:servo_type" + own +
+         "; <koboshi:servo_types file=\"...\"/> in the model includes those of a library";
+}
+
 ServoTypes read_servo_types(const std::filesystem::path& file) {
   if (xml_root_name(file) == servo_library_rule().name) {
     ServoTypes types;

@@ -170,8 +170,10 @@ void find_servo_type_faults(const XmlNode& model, const std::filesystem::path& f
     if (is_follower(joint)) continue;
     const XmlNode servo = joint.child("koboshi:servo");
     if (!types.contains(servo.attribute("type")))
-      faults.add(RobotFaultKind::kReference, servo, "type = " + one_line(servo.attribute("type")),
-                 "the name of a koboshi:servo_type", "type");
+      faults.add(
+          RobotFaultKind::kReference, servo, "type = " + one_line(servo.attribute("type")),
+          expected_servo_type(servo.attribute("type"), std::vector<std::string>(types.begin(), types.end())),
+          "type");
   }
 }
 

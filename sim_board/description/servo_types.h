@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 
 #include "base/xml/xml_reader.h"
@@ -10,6 +11,11 @@
 namespace koboshi::sim_board {
 
 using ServoTypes = std::map<std::string, ServoDescription>;
+
+// Says which servo type is expected instead of an unknown one: those that the robot's file defines or
+// includes, and how it includes others.
+[[nodiscard]] std::string expected_servo_type(const std::string& misspelt,
+                                              std::span<const std::string> known);
 
 // The libraries of servo types that a robot's file includes. Each is read and parsed once.
 class ServoLibraries {

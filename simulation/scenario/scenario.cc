@@ -8,6 +8,8 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "base/text/user_units.h"
+#include "sim_board/description/load.h"
+#include "sim_board/description/schema/roles.h"
 #include "simulation/scenario/paths.h"
 
 namespace koboshi::simulation {
@@ -31,12 +33,39 @@ const T& find_named(const std::vector<T>& items, const SourcedName& name, const 
   throw unknown_name(name, what, known);
 }
 
+// A role of the joints of humanoids, with its side or for both: a scenario for many robots sets it where the
+// robot has it.
+bool is_role(const std::string& name) {
+  const std::vector<std::string>& roles = sim_board::role_names();
+  const auto is_known = [&roles](const std::string& role) {
+    return std::ranges::find(roles, role) != roles.end();
+  };
+  return is_known(name) || is_known("left_" + name);
+}
+
+// The roles of the initial pose that the robot does not have. A robot that cannot be read has all: another
+// message says what is wrong with it.
+std::vector<std::string> missing_roles(const Scenario& scenario) {
+  std::vector<std::string> missing;
+  if (scenario.initial.joints.empty()) return missing;
+  try {
+    const sim_board::RobotDescription robot = sim_board::load_robot(scenario.robot);
+    for (const InitialJoint& initial : scenario.initial.joints)
+      if (is_role(initial.joint.text) && robot.find_joints(initial.joint.text).empty())
+        missing.push_back(initial.joint.text);
+  } catch (const InputError&) {
+    missing.clear();
+  }
+  return missing;
+}
+
 // As for motions: the robot file gives limits in radians, the scenario in degrees, and rounding may differ.
 constexpr double kLimitTolerance_rad = 1e-4 * kRadPerDegree;
 
 void check_initial(const InitialJoint& initial, const sim_board::RobotDescription& robot,
                    std::set<int>& set_before) {
   const std::vector<sim_board::MirroredJoint> joints = robot.find_joints(initial.joint.text);
+  if (joints.empty() && is_role(initial.joint.text)) return;  // left_out_text() names it
   if (joints.empty()) static_cast<void>(find_named(robot.joints, initial.joint, "joint"));  // always throws
   for (const auto& [index, sign] : joints) {
     const sim_board::JointDescription& joint = robot.joints[static_cast<std::size_t>(index)];
@@ -165,6 +194,8 @@ std::string left_out_text(const Scenario& scenario) {
     missing += (missing.empty() ? "motion " : ", motion ") + motion;
   if (!scenario.missing_parameter_file.empty())
     missing += (missing.empty() ? "" : ", ") + ("parameter file " + scenario.missing_parameter_file);
+  for (const std::string& role : missing_roles(scenario))
+    missing += (missing.empty() ? "" : ", ") + ("the initial angle of " + role);
   if (missing.empty()) return {};
   std::string text = robot_text(scenario.robot) + " lacks, and the run leaves out: " + missing;
   if (scenario.robot_parameters.file.empty()) text += "; " + bring_up_remedy(scenario.robot);

@@ -186,8 +186,10 @@ TEST(LoadRobot, RejectsImpossibleJoints) {
   EXPECT_EQ(complaint(with("<lower>-1", "<lower>-2.8")),
             "FILE:47: found a shaft at 3.3 rad where joint wrist is at -2.8, "
             "expected less than half a turn to either side");
-  EXPECT_EQ(complaint(with("type=\"small\"", "type=\"large\"")),
-            "FILE:45: found type = large, expected the name of a koboshi:servo_type");
+  EXPECT_EQ(
+      complaint(with("type=\"small\"", "type=\"large\"")),
+      "FILE:45: found type = large, expected the name of a koboshi:servo_type: small; <koboshi:servo_types "
+      "file=\"...\"/> in the model includes those of a library");
   EXPECT_EQ(complaint(with("<parent>base", "<parent>bass")),
             "FILE:39: found <parent> = bass, expected the name of a link");
 }
