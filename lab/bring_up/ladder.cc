@@ -26,6 +26,7 @@
 #include "lab/bring_up/value_search.h"
 #include "lab/experiment/files.h"
 #include "sim_board/description/load.h"
+#include "simulation/assembly/robot_parameters.h"
 #include "simulation/model/abilities.h"
 #include "simulation/scenario/reader.h"
 
@@ -51,6 +52,27 @@ std::vector<fs::path> robot_files(const fs::path& robot) {
   return files;
 }
 
+// Reads the parameters that are scaled. Throws InputError for a robot that has none with which it walks: each
+// rung would fail with a message about the other robot.
+simulation::RobotParameters reference_parameters(const fs::path& robot) {
+  simulation::RobotParameters parameters = simulation::read_robot_parameters(robot);
+  const char* const expected = "a robot that walks, such as robots/koboshi";
+  if (parameters.file.empty())
+    throw InputError(robot, 0, "no parameters.yaml beside the robot of --reference", expected);
+  for (const char* key :
+       {"step_time_ms", "step_width_mm", "widest_step_mm", "narrowest_step_mm", "com_height_mm"}) {
+    const bool is_given = std::ranges::any_of(parameters.settings, [key](const auto& setting) {
+      return setting.name.text == key && setting.value != 0.0;
+    });
+    if (!is_given)
+      throw InputError(parameters.file, 0, std::string("no ") + key + " of the robot of --reference",
+                       expected);
+  }
+  static_cast<void>(simulation::compile_robot_parameters(
+      parameters, simulation::load_named_model(sim_board::load_robot(robot)).model));
+  return parameters;
+}
+
 class Climber {
  public:
   Climber(const BringUpOptions& options, const std::function<void(const std::string&)>& progress)
@@ -62,7 +84,7 @@ class Climber {
         folder_(options.robot.parent_path()),
         lock_(folder_.empty() ? "." : folder_),
         robot_(sim_board::load_robot(options.robot)),
-        reference_(simulation::read_robot_parameters(options.reference)),
+        reference_(reference_parameters(options.reference)),
         reference_body_(measure(sim_board::load_robot(options.reference))),
         recovery_(options, robot_, end_, progress_) {}
 
@@ -177,6 +199,7 @@ class Climber {
       rung = (this->*kRungs[rung_].climb)();
       rung.name = untried.name;
     } catch (const InputError& error) {
+      if (error.file().string().starts_with("--")) throw;  // an option, which no robot is to blame for
       rung.result = Rung::Result::kFailed;
       rung.cause = error.what();
     }

@@ -195,7 +195,7 @@ StandingPose standing_pose(const StartValues& values, const simulation::NamedMod
       }
     }
   }
-  throw InputError("stand.yaml", 0, first_fault, "a standing pose that the legs reach");
+  throw InputError(values.robot_file, 0, first_fault, "a standing pose that the legs reach");
 }
 
 }  // namespace koboshi::lab

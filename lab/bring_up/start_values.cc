@@ -113,7 +113,7 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
                           const StartFactors& factors) {
   const BodyMeasures body = measure(robot);
   const double scale = body.leg_m / from.leg_m;
-  StartValues values{.parameters = reference, .time_scale = std::sqrt(scale)};
+  StartValues values{.parameters = reference, .robot_file = robot.file, .time_scale = std::sqrt(scale)};
   RobotParameters& parameters = values.parameters;
   parameters.file = robot.file.parent_path() / "parameters.yaml";
   parameters.robot.text = model.robot;
@@ -167,7 +167,13 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
     if (setting.name.text.starts_with("walking_")) setting.value *= factors.gains;
   }
   if (double* pitch = find_value(parameters, "trunk_pitch_deg")) *pitch += factors.trunk_pitch_deg;
-  fit_values(parameters, body, model.model);
+  try {
+    fit_values(parameters, body, model.model);
+  } catch (const InputError& error) {
+    // The file of the parameters is still to be written.
+    throw InputError(robot.file, 0, "a robot whose start values do not fit it: " + error.found(),
+                     error.expected(), error.limit());
+  }
   set_com_height(values, body, *find_value(parameters, "com_height_mm") / kMmPerM);
   values.step_width_m = *find_value(parameters, "step_width_mm") / kMmPerM;
   values.com_forward_m = body.sole_middle_m;
@@ -175,7 +181,7 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
   values.sole_width_m = body.sole_width_m;
   if (values.leg_use > kMostLegUse || values.leg_use < kLeastLegUse)
     throw InputError(
-        parameters.file, 0,
+        robot.file, 0,
         fmt::format("a CoM height of {:.0f} mm, for which legs of {:.0f} mm would be {:.0f} mm long",
                     kMmPerM * values.com_height_m, kMmPerM * body.limb_m,
                     kMmPerM * values.leg_use * body.limb_m),

@@ -23,6 +23,7 @@ namespace koboshi::lab {
 //                  less where little of that stiffness is left beside gravity
 struct StartValues {
   simulation::RobotParameters parameters;
+  std::filesystem::path robot_file{};  // named in errors: the values have no file yet
   double com_height_m = 0.0;
   double step_width_m = 0.0;
   double com_forward_m = 0.0;  // of the standing pose, in front of the ankles

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -52,6 +53,7 @@ bool mend(RobotParameters& parameters, const std::string& refused, const BodyMea
 // Changes the values that the robot's body refuses. Throws InputError for one that cannot be mended.
 void mend_all(RobotParameters& parameters, const BodyMeasures& body, const robot::RobotModel& model) {
   constexpr int kMostChanges = 200;
+  std::map<std::string, InputError> first;  // by parameter: with the value that was not changed yet
   for (int change = 0;; ++change) {
     try {
       static_cast<void>(simulation::compile_robot_parameters(parameters, model));
@@ -59,8 +61,12 @@ void mend_all(RobotParameters& parameters, const BodyMeasures& body, const robot
     } catch (const InputError& error) {
       const std::string refused = error.found().substr(0, error.found().find(' '));
       if (change == kMostChanges || find_value(parameters, refused) == nullptr ||
-          !mend(parameters, refused, body))
+          !mend(parameters, refused, body)) {
+        if (const auto earlier = first.find(refused); earlier != first.end())
+          throw InputError(earlier->second);
         throw;
+      }
+      first.emplace(refused, error);
     }
   }
 }

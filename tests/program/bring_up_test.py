@@ -177,6 +177,36 @@ class BringUp(unittest.TestCase):
             self.assertRegex(line, r"^(stands|shifts its weight|squats|steps on the spot) +NO +1 of 1 robots fall, the first [0-9.]+ s after ")
         self.assertRegex(result.stdout, r"(?m)^turns +- ")
 
+    def test_keeps_an_edit_after_a_write_that_was_killed(self):
+        self.assertEqual(self.climb("--until", "hangs").returncode, 0)
+        journal = self.robot / "bring-up.json"
+        state = json.loads(journal.read_text())
+        # As the program leaves it between two files: one is of before, one of after.
+        own = self.robot / "parameters.yaml"
+        written = own.read_bytes()
+        state.update({"complete": False, "next_files": state["files"], "files": {**state["files"], "motions/stand.yaml": "0" * 16}})
+        journal.write_text(json.dumps(state))
+        edited = own.read_text() + "# mine\n"
+        own.write_text(edited)
+        again = self.climb("--until", "hangs")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertEqual((self.robot / "parameters.yaml.bak").read_text(), edited)
+        self.assertEqual(own.read_bytes(), written)
+        self.assertEqual(list(self.robot.rglob("stand.yaml.bak*")), [])
+
+    def test_refuses_a_reference_without_a_walk_before_it_writes(self):
+        before = sorted(self.robot.rglob("*"))
+        reference = self.make("reference")
+        for text, expected in ((None, "no parameters.yaml beside the robot of --reference"),
+                               ("version: 1\nrobot: koboshi\nparameters: {}\n", "no step_time_ms of the robot of --reference")):
+            with self.subTest(expected):
+                if text is not None:
+                    (reference / "parameters.yaml").write_text(text)
+                result = self.climb("--reference", reference)
+                self.assertEqual(result.returncode, 2, result.stdout)
+                self.assertIn(expected, result.stderr)
+                self.assertEqual(sorted(self.robot.rglob("*")), before)
+
     def test_keeps_files_that_it_has_not_written(self):
         own = self.robot / "parameters.yaml"
         own.write_text("version: 1\nrobot: koboshi\nparameters: {}\n# Written by Anna\n")

@@ -157,5 +157,21 @@ TEST_F(StartValuesOf, AComHeightOutOfTheLegsReachIsRefused) {
   }
 }
 
+// The parameters have no file yet that the error could name, and the value is that of the start.
+TEST_F(StartValuesOf, KneesThatHardlyBendAreNamedWithTheRobotsFile) {
+  const double com_height_mm = scaled().value("com_height_mm");
+  for (sim_board::JointDescription& joint : robot_.joints)
+    if (joint.name.ends_with("_knee")) joint.upper_rad = 20.0 * kRadPerDegree;
+  try {
+    static_cast<void>(scaled());
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.file(), kKoboshi);
+    EXPECT_NE(error.found().find("start values do not fit it: com_height_mm = "), std::string::npos)
+        << error.what();
+    EXPECT_NEAR(std::stod(error.found().substr(error.found().find("= ") + 2)), com_height_mm, 0.1);
+  }
+}
+
 }  // namespace
 }  // namespace koboshi::lab
