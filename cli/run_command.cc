@@ -28,6 +28,7 @@ void add_run_command(CLI::App& program, Invocation& invocation) {
   summary.json  the outcome; timing.json: the computing time on this machine
   *.png, *.svg  figures
 
+A robot that falls is a result, with exit status 0: `fell` in summary.json tells it. Status 1: an error ended the run.
 In real time, Ctrl-C and SIGTERM are the normal end, with all results and status 0 or 1; else an interruption,
 with status 130 or 143.
 

@@ -82,7 +82,7 @@ void add_bring_up_command(CLI::App& program, Invocation& invocation) {
       ->check(CLI::IsMember(simulation::world_names()))
       ->capture_default_str();
   add_number(*command, "--seeds", options.seeds, 1, 1000, "Robots that each rung has to carry");
-  command->add_option("--first-seed", options.first_seed, "Seed of the first of them")->capture_default_str();
+  add_first_seed_option(*command, options.first_seed, "Seed of the first of them");
   CLI::Option* budget =
       add_number(*command, "--budget", arguments->budget_min, 0.0, 1000.0, "Time for searches in minutes");
   command

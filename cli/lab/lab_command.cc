@@ -128,7 +128,6 @@ int run_parallel(const lab::ScriptSetup& setup, const std::string& incomplete,
   }
   const fs::path script = setup.folder / "parallel.sh";
   write_whole_file(script, lab::parallel_script(setup, arguments.parallel));
-  static_cast<void>(lab::run_child({"parallel", "--version"}, lab::ChildOutput::kCaptured, kParallel));
   const int failed = lab::run_child({"sh", script.string()}, lab::ChildOutput::kShown, kParallel).status;
   if (failed == 0) return 0;
   fmt::print("parallel ended with status {}; parallel.joblog names the shards that failed\n", failed);
@@ -140,6 +139,9 @@ int submit(const SubmitArguments& arguments, const std::vector<std::string>& wor
     throw InputError("koboshi lab submit", 0, arguments.slurm ? "--slurm and --parallel" : "neither",
                      "one of --slurm and --parallel HOSTS");
   const lab::JobFile job{.command = lab_command_of(words), .directory = fs::current_path()};
+  // Throws where the program is missing, before the first write.
+  static_cast<void>(lab::run_child({arguments.slurm ? "sbatch" : "parallel", "--version"},
+                                   lab::ChildOutput::kCaptured, arguments.slurm ? kSlurm : kParallel));
   const std::string shard = fmt::format("1/{}", arguments.shards);
   const lab::ChildResult plan =
       call(job, arguments.out, {"--shards", "plan", "--shard", shard}, lab::ChildOutput::kCaptured);

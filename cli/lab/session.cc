@@ -35,12 +35,6 @@ void check_folder(const fs::path& folder) {
                    "a new or empty folder, or one of an earlier experiment");
 }
 
-void check_file(const fs::path& file) {
-  if (file.empty()) return;
-  const fs::path folder = fs::absolute(file).parent_path();
-  if (!fs::is_directory(folder)) throw InputError(file, 0, "no folder to write it in", "one that exists");
-}
-
 bool is_lost(const std::vector<lab::Metric>& metrics, const lab::Record& record) {
   for (std::size_t i = 0; i < metrics.size(); ++i)
     if (metrics[i].is_loss && record.values[i].value_or(0.0) != 0.0) return true;
@@ -95,8 +89,6 @@ std::vector<lab::ShardProgress> progress_of_shards(const lab::Experiment& experi
 
 lab::ExperimentResult play(const lab::Experiment& experiment, const SessionOptions& session) {
   check_folder(session.out);
-  check_file(session.json);
-  check_file(session.page);
   fs::create_directories(session.out);
   const ProgressLine line;
   lab::ExperimentOptions options{.log = session.out / kLogName, .jobs = session.jobs};
@@ -154,6 +146,17 @@ void write_page(const lab::Experiment& experiment, const SessionOptions& session
 
 }  // namespace
 
+void add_first_seed_option(CLI::App& command, std::uint64_t& seed, const std::string& help) {
+  add_number(command, "--first-seed", seed, 0, 9'000'000'000'000'000, help);
+}
+
+void check_output_file(const fs::path& file) {
+  if (file.empty()) return;
+  if (fs::is_directory(file)) throw InputError(file, 0, "a folder", "a file to write");
+  const fs::path folder = fs::absolute(file).parent_path();
+  if (!fs::is_directory(folder)) throw InputError(file, 0, "no folder to write it in", "one that exists");
+}
+
 void add_stepper_option(CLI::App& command, std::string& stepper, const std::string& help) {
   command.add_option("--stepper", stepper, help)->check(CLI::IsMember(sim_board::stepper_names()));
 }
@@ -166,7 +169,7 @@ void add_jobs_option(CLI::App& command, std::size_t& jobs) {
 
 void add_session_options(CLI::App& command, lab::ExperimentSetup& setup, SessionOptions& session) {
   add_number(command, "--seeds", setup.seeds, 1, 1'000'000, "Seeds that each cell is played with");
-  command.add_option("--first-seed", setup.first_seed, "The first of them")->capture_default_str();
+  add_first_seed_option(command, setup.first_seed, "The first of them");
   add_stepper_option(command, session.stepper, "Stepper of the physics in all cells, as in koboshi run");
   command.add_option("--set", session.sets, "Override a key of the scenario in all cells; may be repeated")
       ->allow_extra_args(false);
@@ -217,6 +220,10 @@ void conduct(const lab::Experiment& experiment, SessionOptions session, Invocati
              const DrawFigures& draw_figures) {
   if (session.out.empty()) session.out = fs::path("runs") / experiment.name;
   if (session.section.empty()) session.section = experiment.name;
+  check_output_file(session.json);
+  check_output_file(session.page);
+  if (fs::exists(session.record_lost) && !fs::is_directory(session.record_lost))
+    throw InputError(session.record_lost, 0, "a file", "a folder for the recordings");
   std::string command_line = invocation.command_line;
   if (session.shards.is_used()) {
     const lab::JobFile job = job_of(experiment, session, invocation);

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -40,6 +41,10 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, Number& valu
   return command.add_option(name, value, help)->check(CLI::Range(low, high))->capture_default_str();
 }
 
+// Adds --first-seed. Results hold seeds as numbers of JSON, which are exact below 2^53.
+void add_first_seed_option(CLI::App& command, std::uint64_t& seed, const std::string& help);
+// Throws InputError for a result that cannot be written: a file without a folder, or that is a folder itself.
+void check_output_file(const std::filesystem::path& file);
 void add_session_options(CLI::App& command, lab::ExperimentSetup& setup, SessionOptions& session);
 void add_stepper_option(CLI::App& command, std::string& stepper, const std::string& help);
 void add_jobs_option(CLI::App& command, std::size_t& jobs);

@@ -46,8 +46,7 @@ void add_search_options(CLI::App& command, lab::SearchOptions& options, std::siz
   add_number(command, "--spread", options.spread, 0.001, 0.5,
              "Standard deviation of the first candidates about the start, as a share of the ranges");
   add_number(command, "--seeds", options.seeds, 1, 1000, "Worlds in which each candidate is tried");
-  command.add_option("--first-seed", options.first_seed, "The first of them; judge the result on others")
-      ->capture_default_str();
+  add_first_seed_option(command, options.first_seed, "The first of them; judge the result on others");
   add_stepper_option(command, stepper,
                      "Stepper of the physics: mujoco is fast; confirm what it finds with world");
   add_robot_option(command, robot);
@@ -110,6 +109,7 @@ void tune(const TuneArguments& arguments, Invocation& invocation) {
 }
 
 void tune_gait(const TuneGaitArguments& arguments) {
+  check_output_file(arguments.result);
   lab::GaitSearchOptions options = arguments.options;
   options.experiment.scenario =
       simulation::find_input(simulation::InputKind::kScenario, options.experiment.scenario);

@@ -11,8 +11,10 @@
 
 #include "base/file/output_file.h"
 #include "base/file/output_folder.h"
+#include "base/file/overwrite.h"
 #include "base/file/standard_streams.h"
 #include "base/text/error.h"
+#include "cli/lab/session.h"
 #include "lab/experiment/files.h"
 #include "lab/validate/report.h"
 #include "sim_board/world/options.h"
@@ -39,10 +41,8 @@ void check_arguments(const ValidateArguments& arguments) {
   if (std::abs(steps_a_ms - std::round(steps_a_ms)) > 1e-9) {
     throw InputError("--step-ms", 0, fmt::format("{}", arguments.step_ms), "a step that divides 1 ms");
   }
-  for (const fs::path& file : {arguments.page, arguments.json}) {
-    if (file.empty() || fs::is_directory(fs::absolute(file).parent_path())) continue;
-    throw InputError(file, 0, "no folder to write it in", "one that exists");
-  }
+  check_output_file(arguments.page);
+  check_output_file(arguments.json);
   check_output_folder(arguments.out);
 }
 
@@ -77,6 +77,7 @@ int validate(ValidateArguments arguments, const std::string& command_line) {
   check_arguments(arguments);
   lab::ValidationSetup& setup = arguments.setup;
   setup.scenario = simulation::find_input(simulation::InputKind::kScenario, setup.scenario);
+  for (const fs::path& out : {arguments.page, arguments.json}) refuse_to_overwrite({setup.scenario}, out);
   setup.world.step_s = 1e-3 * arguments.step_ms;
   setup.world.stepper = sim_board::stepper_named(arguments.stepper).value();
   std::vector<lab::ValidationResult> results;

@@ -414,6 +414,8 @@ std::string Training::report(const tools::QuantisedPolicy& policy, std::size_t r
 
 TrainingResult train(const LearningStudy& study, const TrainingOptions& options,
                      const ShowTraining& progress) {
+  static_cast<void>(
+      training_inputs(study, options));  // throws for what it cannot read, before the first write
   std::filesystem::create_directories(options.out);
   const FolderLock lock(options.out);
   const auto trials = make_passing_trials(options.jobs);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/file/output_file.h"
 #include "base/file/output_folder.h"
@@ -73,8 +74,6 @@ double reward(const ScenarioTrial& trial, double duration_s) {
 }
 
 GaitSearchResult search_gait(const GaitSearchOptions& options, const ShowProgress& progress) {
-  std::filesystem::create_directories(options.out);
-  const FolderLock lock(options.out);
   const std::string text = read_text_file(options.start, "a gait file");
   const double duration_s = duration_of(options.experiment);
   const std::vector<SearchedNumber> numbers = numbers_of(options, text);
@@ -83,17 +82,23 @@ GaitSearchResult search_gait(const GaitSearchOptions& options, const ShowProgres
     for (std::size_t i = 0; i < numbers.size(); ++i) gait[numbers[i].path] = candidate.numbers[i];
     return gait;
   };
-  // The lift that was achieved: legs and ground that give way leave less than the gait commands.
-  double foot_lift_m = kNotANumber;
-  const auto evaluate = [&](Candidate& candidate) {
-    foot_lift_m = kNotANumber;
+  const auto experiment_of = [&](const std::optional<GaitNumbers>& gait) {
     GyroFeedbackOptions setup = options.experiment;
     setup.first_seed = options.first_seed;
     setup.seeds = options.seeds;
     setup.overrides.push_back({"gait.file", "\"" + std::filesystem::absolute(options.start).string() + "\""});
-    setup.overrides.push_back({"gait.set", flow_map(gait_of(candidate))});
+    if (gait) setup.overrides.push_back({"gait.set", flow_map(*gait)});
+    return make_gyro_feedback(setup);
+  };
+  static_cast<void>(experiment_of({}));  // throws for what it cannot read, before the first write
+  std::filesystem::create_directories(options.out);
+  const FolderLock lock(options.out);
+  // The lift that was achieved: legs and ground that give way leave less than the gait commands.
+  double foot_lift_m = kNotANumber;
+  const auto evaluate = [&](Candidate& candidate) {
+    foot_lift_m = kNotANumber;
     const ExperimentResult result =
-        play_experiment(make_gyro_feedback(setup),
+        play_experiment(experiment_of(gait_of(candidate)),
                         {.log = options.out / "trials.jsonl", .jobs = options.jobs, .batch = options.seeds});
     const std::vector<ScenarioTrial> trials = walk_fields().trials(result.cells.front());
     for (const ScenarioTrial& trial : trials) candidate.score += reward(trial, duration_s);

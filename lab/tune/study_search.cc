@@ -23,6 +23,7 @@
 #include "lab/tune/infeasible.h"
 #include "lab/tune/lost_trials.h"
 #include "lab/tune/optimiser.h"
+#include "simulation/assembly/prepared_scenario.h"
 #include "simulation/disturbance/world_text.h"
 #include "simulation/record/summary.h"
 #include "simulation/scenario/reader.h"
@@ -361,24 +362,24 @@ class StudySearch {
   }
 
  public:
+  // Throws InputError for a start that cannot be played: it is the user's.
+  void check_start() {
+    std::vector<double> durations_s;
+    static_cast<void>(make_experiment(start_values(), durations_s));
+    for (const simulation::Scenario& scenario : scenarios_of(start_values()))
+      static_cast<void>(simulation::prepare(scenario));
+  }
+
   // The experiment of these parameters. Throws InputError for infeasible ones.
   Experiment make_experiment(const std::vector<double>& numbers, std::vector<double>& durations_s) {
     std::vector<std::string> texts;
-    std::vector<Override> shared = options_.overrides;
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      shared.push_back({study_.numbers[i].path, number_text(numbers[i]), study_.file.string()});
-    }
-    std::vector<simulation::Scenario> scenarios;
+    const std::vector<simulation::Scenario> scenarios = scenarios_of(numbers, &texts);
     Experiment experiment{"study"};
-    for (const StudiedTrial& trial : study_.trials) {
-      std::vector<Override> overrides = shared;
-      overrides.insert(overrides.end(), trial.set.begin(), trial.set.end());
-      for (const Override& item : overrides) texts.insert(texts.end(), {item.path, item.value});
-      scenarios.push_back(simulation::read_scenario(study_.scenario, overrides));
-      scenarios.back().world = {simulation::world_named(study_.world), std::nullopt};
-      motions_.check(scenarios.back());
-      durations_s.push_back(1e-6 * static_cast<double>(scenarios.back().duration_us));
-      experiment.cells.push_back({.name = trial.name, .settings = {{"trial", trial.name}}});
+    for (std::size_t i = 0; i < scenarios.size(); ++i) {
+      motions_.check(scenarios[i]);
+      durations_s.push_back(1e-6 * static_cast<double>(scenarios[i].duration_us));
+      const std::string& name = study_.trials[i].name;
+      experiment.cells.push_back({.name = name, .settings = {{"trial", name}}});
     }
     for (const auto& [factor, range] : simulation::range_texts(simulation::world_named(study_.world)))
       texts.insert(texts.end(), {factor, range});
@@ -401,6 +402,24 @@ class StudySearch {
   }
 
  private:
+  // The scenarios of the trials with these parameters. `texts` receives what they override.
+  std::vector<simulation::Scenario> scenarios_of(const std::vector<double>& numbers,
+                                                 std::vector<std::string>* texts = nullptr) const {
+    std::vector<Override> shared = options_.overrides;
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      shared.push_back({study_.numbers[i].path, number_text(numbers[i]), study_.file.string()});
+    std::vector<simulation::Scenario> scenarios;
+    for (const StudiedTrial& trial : study_.trials) {
+      std::vector<Override> overrides = shared;
+      overrides.insert(overrides.end(), trial.set.begin(), trial.set.end());
+      if (texts != nullptr)
+        for (const Override& item : overrides) texts->insert(texts->end(), {item.path, item.value});
+      scenarios.push_back(simulation::read_scenario(study_.scenario, overrides));
+      scenarios.back().world = {simulation::world_named(study_.world), std::nullopt};
+    }
+    return scenarios;
+  }
+
   const Study& study_;
   const StudyOptions& options_;
   SearchTrials& trials_;
@@ -409,6 +428,13 @@ class StudySearch {
   Search search_;
   LostTrials lost_;
 };
+
+// Before the first write.
+void check_start(const Study& study, StudyOptions options) {
+  options.out.clear();
+  const auto none = make_no_trials();
+  StudySearch(study, options, *none, {}).check_start();
+}
 
 void check_shards(const StudyOptions& options) {
   if (options.method != Method::kCmaEs) throw InputError("--search", 0, "nsga-2 in shards", "cma-es");
@@ -430,6 +456,7 @@ std::vector<std::filesystem::path> study_files(const Study& study,
 }
 
 SearchResult search_study(const Study& study, const StudyOptions& options, const ShowProgress& progress) {
+  check_start(study, options);
   std::filesystem::create_directories(options.out);
   const FolderLock lock(options.out);
   const auto trials = make_local_trials(options.out / kTrials, trial_format(), options.jobs);
@@ -442,6 +469,7 @@ std::string study_inputs(const Study& study, const StudyOptions& options) {
   silent.out.clear();
   const auto none = make_no_trials();
   StudySearch search(study, silent, *none, {});
+  search.check_start();
   std::vector<double> durations_s;
   return search.make_experiment(search.start_values(), durations_s).inputs;
 }
