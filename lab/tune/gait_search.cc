@@ -7,6 +7,7 @@
 
 #include "base/file/output_file.h"
 #include "base/file/output_folder.h"
+#include "base/text/error.h"
 #include "base/text/text.h"
 #include "lab/tune/gait_text.h"
 #include "lab/tune/optimiser.h"
@@ -77,6 +78,8 @@ GaitSearchResult search_gait(const GaitSearchOptions& options, const ShowProgres
   const std::string text = read_text_file(options.start, "a gait file");
   const double duration_s = duration_of(options.experiment);
   const std::vector<SearchedNumber> numbers = numbers_of(options, text);
+  if (numbers.empty())
+    throw InputError(options.start, 0, "a gait without parameters", "one with those that are searched for");
   const auto gait_of = [&](const Candidate& candidate) {
     GaitNumbers gait;
     for (std::size_t i = 0; i < numbers.size(); ++i) gait[numbers[i].path] = candidate.numbers[i];

@@ -209,6 +209,56 @@ class BadInput(unittest.TestCase):
         for name in ("walking-speed", "push-recovery", "terrain"):
             self.refuse(support.SQUAT, None, "experiment", name, support.SQUAT, "--out", self.folder / "out")
 
+    def test_the_laboratory_checks_its_inputs_before_it_writes(self):
+        out = self.folder / "out"
+        missing = self.folder / "missing" / "result"
+        stand_up = ["experiment", "stand-up", "--seeds", "1", "--out", out]
+        for option in ("--json", "--page"):
+            self.refuse(missing, None, *stand_up, option, missing, "--shards", "plan", "--shard", "1/2")
+        self.refuse(self.folder, None, *stand_up, "--json", self.folder)
+        letter = self.write("letter.txt", "dear reader")
+        self.refuse(letter, None, *stand_up, "--record-lost", letter)
+        gait = ["experiment", "tune-gait", "--seeds", "1", "--evaluations", "24", "--out", out]
+        self.refuse(missing, None, *gait, "--gait", missing)
+        self.refuse(missing, None, *gait, "--start", missing)
+        bare = self.write("gait.yaml", "version: 1\n")
+        self.refuse(bare, None, *gait, "--start", bare)
+        self.refuse(missing, None, "validate", "--short", "--json", missing, "--out", out)
+        study = self.write("study.yaml", (support.ROOT / "studies" / "stand.yaml").read_text().replace(
+            "../scenarios/", f"{support.ROOT}/scenarios/"))
+        wrong = study.read_text().replace("numbers:\n", "numbers:\n  parameters.no_such_gain: {range: [0, 1], start: 0.5}\n")
+        self.assertNotEqual(wrong, study.read_text())
+        study.write_text(wrong)
+        self.refuse(study, None, "tune", study, "--evaluations", "16", "--seeds", "1", "--out", out)
+        learning = support.ROOT / "studies" / "learn" / "residual.yaml"
+        wrong = self.write("learn.yaml", re.sub("(?m)^scenario:.*$", "scenario: nosuch", learning.read_text()))
+        self.refuse(wrong, None, "learn", wrong, "--out", out)
+        for command in (stand_up, gait, ["bring-up", ROBOT], ["tune", study]):
+            result = PROGRAM.run(*command, "--first-seed", 2**64 - 1, cwd=self.folder)
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn("--first-seed", result.stderr)
+        for scheduler, program in ((["--slurm"], "sbatch"), (["--parallel", "2/localhost"], "parallel")):
+            submitted = subprocess.run([PROGRAM.path, "lab", "submit", *scheduler, "--shards", "2", "--out", out, "experiment", "stand-up"],
+                                       env={"PATH": "/nonexistent"}, capture_output=True, text=True, timeout=60, check=False)
+            self.assertEqual(submitted.returncode, 2, submitted.stderr)
+            self.assertIn(program, submitted.stderr)
+        self.assertFalse(out.exists())
+
+    def test_no_command_replaces_what_it_reads(self):
+        log = self.write("can.asc", "(0.000000) vcan0 123#00\n")
+        robot = shutil.copy(ROBOT / "robot.sdf", self.folder / "robot.sdf")
+        gait = shutil.copy(ROBOT / "gait.yaml", self.folder / "walk.yaml")
+        motion = shutil.copy(MOTION, self.folder / "squat.yaml")
+        before = {path: path.read_bytes() for path in self.folder.iterdir()}
+        for arguments in (["can", "export", log, "--out", log], ["gait", gait],
+                          ["model", "export", robot, "--urdf", robot],
+                          ["motion", "retarget", motion, "--from", ROBOT, "--to", ROBOT, "-o", motion]):
+            with self.subTest(arguments):
+                result = PROGRAM.run(*arguments, cwd=self.folder)
+                self.assertEqual(result.returncode, 2, result.stdout + result.stderr)
+                self.assertIn("found the input as the output", result.stderr)
+                self.assertEqual({path: path.read_bytes() for path in self.folder.iterdir()}, before)
+
     def test_unknown_options_and_commands(self):
         gyro_feedback = ["experiment", "gyro-feedback"]
         for arguments in (["dance"], ["run"], ["run", str(support.SQUAT), "--louder"], ["experiment"],
