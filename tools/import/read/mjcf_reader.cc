@@ -67,21 +67,18 @@ Model load(const std::filesystem::path& file, const std::string& text, std::stri
   return model;
 }
 
-// The number after "line " in a message of MuJoCo; 0 without one.
-int line_in(const std::string& message) {
+// The place of the line's number in a message of MuJoCo, which ends with "line 7" or "line = 7, column = -1";
+// empty without one.
+struct LineNumber {
+  std::size_t begin = 0;
+  std::size_t size = 0;
+};
+LineNumber line_in(const std::string& message) {
   const std::size_t at = message.rfind("line ");
-  if (at == std::string::npos) return 0;
-  const std::size_t begin = at + 5;
-  const std::size_t end = message.find_first_not_of("0123456789", begin);
-  return static_cast<int>(parse_integer(message.substr(begin, end - begin)).value_or(0));
-}
-
-// MuJoCo's message with the line of the source instead of that of the subset.
-std::string with_source_line(std::string message, int line, int source_line) {
-  const std::string text = "line " + std::to_string(line);
-  if (const std::size_t at = message.rfind(text); line > 0 && at != std::string::npos)
-    message.replace(at, text.size(), "line " + std::to_string(source_line));
-  return message;
+  if (at == std::string::npos) return {};
+  const std::size_t begin = std::min(message.find_first_not_of(" =", at + 5), message.size());
+  const std::size_t end = std::min(message.find_first_not_of("0123456789", begin), message.size());
+  return {begin, end - begin};
 }
 
 Model load_or_refuse(const std::filesystem::path& file, const MjcfSubset& subset) {
@@ -94,10 +91,14 @@ Model load_or_refuse(const std::filesystem::path& file, const MjcfSubset& subset
     throw InputError(file, 0, "a model on which MuJoCo " + trial.fault, "one that MuJoCo can load");
   const std::string expected = fmt::format("a model that MuJoCo {} can load", mj_versionString());
   if (!trial.output.empty()) {
-    const int line = line_in(trial.output);
-    const auto index = static_cast<std::size_t>(line);
-    const int source_line = index < subset.lines.size() ? subset.lines[index] : 0;
-    throw InputError(file, source_line, with_source_line(trial.output, line, source_line), expected);
+    // The line of the subset is none of the source's.
+    std::string message = trial.output;
+    const LineNumber number = line_in(message);
+    const auto line =
+        static_cast<std::size_t>(parse_integer(message.substr(number.begin, number.size)).value_or(0));
+    const int source_line = line < subset.lines.size() ? subset.lines[line] : 0;
+    if (number.size > 0) message.replace(number.begin, number.size, std::to_string(source_line));
+    throw InputError(file, source_line, message, expected);
   }
   std::string fault;
   Model model = load(file, subset.text, fault);

@@ -235,10 +235,10 @@ TEST_F(ImportMistakes, AreNotHingesWithoutARange) {
 #ifdef KOBOSHI_HAS_MUJOCO
 TEST_F(ImportMistakes, AreNamedByMuJoCoToTheEnd) {
   EXPECT_THAT(
-      complaint("<mujoco><worldbody><body name=\"trunk\"><freejoint/><geom type=\"box\" size=\".1 .1 .1\"/>"
-                "<body name=\"leg\"><joint name=\"hip\"/><inertial pos=\"0 0 0\" mass=\"0\" "
+      complaint("<mujoco>\n\n\n<worldbody><body name=\"trunk\"><freejoint/><geom type=\"box\" size=\".1 .1 "
+                ".1\"/>\n<body name=\"leg\"><joint name=\"hip\"/><inertial pos=\"0 0 0\" mass=\"0\" "
                 "diaginertia=\"0 0 0\"/></body></body></worldbody></mujoco>\n"),
-      HasSubstr("name = leg"));
+      testing::AllOf(HasSubstr("kit.urdf:5: "), HasSubstr("name = leg"), HasSubstr("line = 5")));
 }
 #endif
 
