@@ -107,11 +107,109 @@ TEST(Csv, ReadsUnitsFromHeadersOrFromTheValues) {
   EXPECT_EQ(stated.sections[0].frames[1].values[1], 2.0);
   EXPECT_EQ(stated.sections[0].frames[1].move_us, 250'000);
   EXPECT_TRUE(stated.notes.empty());
-  const ForeignMotion degrees = read_one("t;knee\n0;90\n0,5;45\n1.5;45\n");
+  const ForeignMotion degrees = read_one("t;knee\n0;90\nx;45\n1.5;45\n");
   EXPECT_NEAR(*degrees.sections[0].frames[0].values[0], 90 * kDegreeInRad, 1e-12);
-  EXPECT_NE(notes_of(degrees).find("'0,5' is no time"), std::string::npos) << notes_of(degrees);
+  EXPECT_NE(notes_of(degrees).find("'x' is no time"), std::string::npos) << notes_of(degrees);
   EXPECT_NE(notes_of(degrees).find("read as degrees"), std::string::npos);
   EXPECT_NE(notes_of(read_one("t,knee\n0,1.5\n")).find("read as rad"), std::string::npos);
+}
+
+// What spreadsheets write where the comma separates decimals.
+TEST(Csv, ReadsDecimalCommasAndTheLineOfTheSeparator) {
+  for (const std::string file : {"time;knee_rad;hip_rad\n0;0;0\n0,5;-1,25;+1e-1\n",
+                                 "sep=;\ntime;knee_rad;hip_rad\n0;0;0\n0,5;-1,25;0,1\n",
+                                 "\"sep=;\"\nTIME;KNEE_RAD;hip_rad\n0;0;0\n0.5;-1.25;0.1\n",
+                                 "time\tknee_rad\thip_rad\n0\t0\t0\n0,5\t-1,25\t,1\n",
+                                 "sep=\t\ntime\tknee_rad\thip_rad\n0\t0\t0\n0,5\t-1,25\t0,1\n",
+                                 "time,knee_rad,hip_rad\n0,0,0\n\"0,5\",\"-1,25\",\"0,1\"\n"}) {
+    const ForeignMotion motion = read_one(file);
+    ASSERT_EQ(motion.joints.size(), 2u) << file;
+    const auto& frames = motion.sections[0].frames;
+    ASSERT_EQ(frames.size(), 2u) << file;
+    EXPECT_EQ(frames[1].move_us, 500'000) << file;
+    EXPECT_EQ(frames[1].values, (std::vector<ForeignValue>{-1.25, 0.1})) << file;
+    EXPECT_EQ(notes_of(motion), "") << file;
+  }
+  // Marks of thousands are not guessed.
+  const ForeignMotion thousands = read_one("t;knee_deg\n0;1.234,5\n1;1,234,5\n2;1\n");
+  EXPECT_EQ(
+      notes_of(thousands),
+      "line 2: ignored: '1.234,5' is no angle of knee\nline 3: ignored: '1,234,5' is no angle of knee\n");
+}
+
+TEST(Csv, ReadsUtf16WithItsMark) {
+  for (const bool little : {true, false}) {
+    std::string bytes;
+    for (const char c : std::string_view("\xFF"
+                                         "sep=;\r\n\"time\";\"knee_rad\"\r\n0,5;1,5\r\n")) {
+      const char high = c == '\xFF' ? '\xFE' : '\0';
+      bytes += little ? std::string{c, high} : std::string{high, c};
+    }
+    const ForeignMotion motion = read_one(bytes);
+    EXPECT_EQ(motion.joints.at(0).name, "knee");
+    EXPECT_EQ(motion.sections[0].frames.at(0).values, (std::vector<ForeignValue>{1.5}));
+    EXPECT_EQ(motion.sections[0].frames[0].move_us, 500'000);
+    EXPECT_EQ(notes_of(motion), "text: is read as UTF-16\n");
+  }
+}
+
+TEST(Csv, SkipsCommentsAboveTheHeaderAndBetweenRows) {
+  const ForeignMotion motion =
+      read_one("# recorded by hand\n// twice\n\ntime,knee\n# start\n0,0\n#1,5\n1,0.5\n");
+  ASSERT_EQ(motion.sections[0].frames.size(), 2u);
+  EXPECT_EQ(motion.sections[0].frames[1].place, "line 8");
+  EXPECT_EQ(notes_of(motion),
+            "line 4: angles without a unit are read as rad; name the columns JOINT_rad or JOINT_deg to say "
+            "which\n");
+  // numpy.savetxt writes the header as a comment.
+  const ForeignMotion commented = read_one("# angles\n# time_ms,knee_rad\n# data\n0,0\n500,0.5\n");
+  EXPECT_EQ(commented.joints.at(0).name, "knee");
+  ASSERT_EQ(commented.sections[0].frames.size(), 2u);
+  EXPECT_EQ(commented.sections[0].frames[1].move_us, 500'000);
+  EXPECT_EQ(notes_of(commented), "");
+  // But a comment does not make a table of other text.
+  EXPECT_EQ(recognise("# time,knee\nversion: 2\n"), std::nullopt);
+  EXPECT_EQ(recognise("# time,knee\n"), std::nullopt);
+}
+
+TEST(Csv, ReadsQuotedHeadersAndFields) {
+  const ForeignMotion motion = read_one(
+      "\"time_ms\", \"left, knee_deg\" ,\"the \"\"hip\"\"_rad\"\n\"0\",\"90\",1\n\"250\",\" 45 \",\"2\n");
+  ASSERT_EQ(motion.joints.size(), 2u);
+  EXPECT_EQ(motion.joints[0].name, "left, knee");
+  EXPECT_EQ(motion.joints[1].name, "the \"hip\"");
+  const auto& frames = motion.sections[0].frames;
+  EXPECT_EQ(frames.at(1).move_us, 250'000);
+  EXPECT_NEAR(frames[1].values[0].value(), 45 * kDegreeInRad, 1e-12);
+  EXPECT_EQ(frames[1].values[1], 2.0);
+  EXPECT_EQ(notes_of(motion), "");
+}
+
+TEST(Csv, LeavesOutColumnsWithoutAName) {
+  const ForeignMotion empty = read_one("time,knee_rad,hip_rad,\n0,0,0,\n1,1,2,\n");
+  ASSERT_EQ(empty.joints.size(), 2u);
+  EXPECT_EQ(empty.sections[0].frames[1].values, (std::vector<ForeignValue>{1.0, 2.0}));
+  EXPECT_EQ(notes_of(empty), "");
+  const ForeignMotion filled = read_one("time,knee_rad,,hip_rad\n0,0,,0\n1,1,7,2,9\n2,1,8,2,9\n");
+  ASSERT_EQ(filled.joints.size(), 2u);
+  EXPECT_EQ(filled.sections[0].frames[1].values, (std::vector<ForeignValue>{1.0, 2.0}));
+  EXPECT_EQ(notes_of(filled), "line 3: ignored: '7' in column 3, which has no name, and further ones\n");
+  EXPECT_EQ(message_of("\n# none\ntime,,\n0,1,2\n"),
+            "file:3: found a header without joints, expected a time and the names of joints");
+}
+
+TEST(Csv, SaysThatTheClockOfARecordingIsLeftOut) {
+  const ForeignMotion late = read_one("time_s,knee_rad\n1200.5,0\n1201,1\n");
+  EXPECT_EQ(late.sections[0].frames.at(0).move_us, 0);
+  EXPECT_EQ(late.sections[0].frames.at(1).move_us, 500'000);
+  EXPECT_EQ(notes_of(late),
+            "line 2: the motion begins here, at 1200.5 s: only a first time from 0 to 10 s is that of the "
+            "first move\n");
+  EXPECT_NE(notes_of(read_one("time_s,knee_rad\n-1,0\n1,1\n")).find("begins here, at -1 s"),
+            std::string::npos);
+  const ForeignMotion first_move = read_one("time_s,knee_rad\n10,0\n11,1\n");
+  EXPECT_EQ(first_move.sections[0].frames.at(0).move_us, 10'000'000);
+  EXPECT_EQ(notes_of(first_move), "");
 }
 
 TEST(BitBots, HasDurationsPausesAndTorques) {
