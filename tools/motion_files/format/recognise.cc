@@ -47,6 +47,15 @@ std::optional<MotionFormat> recognise_text(std::string_view text) {
   return std::nullopt;
 }
 
+// What a file of no known format is, for messages.
+std::string kind_of(std::string_view bytes, std::string_view text) {
+  if (bytes.starts_with("KMOT") && bytes.find('\0') != std::string_view::npos)
+    return "the image of a motion of Koboshi, which koboshi motion decompile reads";
+  if (has("\n" + std::string(text), "\nversion:") && has(text, "\nrobot:") && has(text, "\nsteps:"))
+    return "a motion file of Koboshi, which needs no import";
+  return "a file of no known format";
+}
+
 std::vector<ForeignMotion> read_text_of(MotionFormat format, const std::filesystem::path& file,
                                         const std::string& text) {
   switch (format) {
@@ -106,7 +115,7 @@ std::vector<ForeignMotion> read_foreign_motions(const std::filesystem::path& fil
   const auto format = recognise_text(decoded.text);
   if (!format)
     throw InputError(
-        file, 0, "a file of no known format",
+        file, 0, kind_of(bytes, decoded.text),
         "a motion of Webots, ROBOTIS (.mtn, .bin, .mtnx), KONDO (.h4p), Choreonoid (.pseq), Bit-Bots or "
         "bold-humanoid (JSON), or a table (CSV)");
   std::vector<ForeignMotion> motions = read_text_of(*format, file, decoded.text);

@@ -4,8 +4,10 @@
 
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "base/text/error.h"
+#include "base/text/text.h"
 
 namespace koboshi::tools {
 namespace {
@@ -333,6 +335,63 @@ TEST(RoboplusPages, HaveTimesUnusedServosAndChecksums) {
             "page, and ignored\n");
 }
 
+// Changes the checksum of each page that has steps.
+std::string with_wrong_sums(std::string file) {
+  for (std::size_t page = 0; page < file.size() / 512; ++page) {
+    if (file[512 * page + 20] != 0) file[512 * page + 31] = static_cast<char>(file[512 * page + 31] + 1);
+  }
+  return file;
+}
+
+TEST(RoboplusPages, AreReadWithAllChecksumsWrongIfTheRestIsPlausible) {
+  const auto page = [](const std::string& name) {
+    return Page(name, 1).step(0, 1, 2048).step(0, 2, 0x4000).step(0, 3, 0x2000).times(0, 0, 125);
+  };
+  const std::string unused(512, '\0');
+  const auto two =
+      read_foreign_motions("file", with_wrong_sums(unused + page("a").bytes() + page("b").bytes() + unused));
+  ASSERT_EQ(two.size(), 2u);
+  for (const ForeignMotion& motion : two)
+    EXPECT_EQ(notes_of(motion), "pages: all their checksums are wrong; they are read all the same\n");
+  EXPECT_EQ(two[1].sections[0].frames.at(0).values.at(1), 2048.0);
+  EXPECT_EQ(notes_of(read_one(with_wrong_sums(unused + page("a").bytes()))),
+            "page 1: its checksum is wrong; it is read all the same\n");
+  EXPECT_EQ(recognise(with_wrong_sums(page("a").set(16, 0).bytes())), MotionFormat::kRoboplusPages);
+  // One value that no page has, or no servo that moves, is enough to take it for something else.
+  for (Page& other :
+       std::vector{page("a").set(20, 8), page("a").set(16, 1), page("a\x01"), page("a").step(0, 5, 4096),
+                   page("a").step(0, 5, 0x8000), page("a").step(0, 1, 0x4000), page("a").step(0, 1, 0)}) {
+    EXPECT_EQ(recognise(with_wrong_sums(other.bytes())), std::nullopt);
+    EXPECT_EQ(recognise(with_wrong_sums(page("b").bytes() + other.bytes())), std::nullopt);
+  }
+  // But beside a right page it is one.
+  EXPECT_EQ(recognise(page("b").bytes() + with_wrong_sums(page("a").step(0, 5, 4096).bytes())),
+            MotionFormat::kRoboplusPages);
+}
+
+TEST(RoboplusPages, HaveNamesInOneEncoding) {
+  const auto page = [](const std::string& name) {
+    return Page(name, 1).step(0, 1, 5).times(0, 0, 1).bytes();
+  };
+  // "bow" and "walk" in Shift-JIS. The first could be EUC-KR by itself.
+  const auto japanese =
+      read_foreign_motions("file", page("\xE7\xE7") + page("\x95\xE0\x82\xAD") + page("bow"));
+  ASSERT_EQ(japanese.size(), 3u);
+  EXPECT_EQ(japanese[1].name, "\xE6\xAD\xA9\xE3\x81\x8F");
+  EXPECT_EQ(japanese[2].name, "bow");
+  EXPECT_EQ(find_invalid_utf8(japanese[0].name), std::string::npos);
+  EXPECT_EQ(notes_of(japanese[1]), "names of pages: are read as CP932\n");
+  const auto korean = read_foreign_motions("file", page("\xC0\xCE\xBB\xE7"));
+  EXPECT_EQ(korean.at(0).name, "\xEC\x9D\xB8\xEC\x82\xAC");
+  // The field of 13 bytes cuts the seventh letter.
+  const auto cut = read_foreign_motions("file", page("\x95\xE0\x95\xE0\x95\xE0\x95\xE0\x95\xE0\x95\xE0\x95"));
+  EXPECT_EQ(cut.at(0).name.size(), 18u);
+  EXPECT_EQ(cut[0].name.substr(0, 3), "\xE6\xAD\xA9");
+  // Of no encoding.
+  EXPECT_EQ(read_foreign_motions("file", page("a\xFF\xFF")).at(0).name, "a\\xFF\\xFF");
+  EXPECT_TRUE(read_foreign_motions("file", page("bow")).at(0).notes.empty());
+}
+
 TEST(RoboplusPages, MoveBySpeedWhereTheScheduleSaysSo) {
   Page page("fast", 2);
   page.set(16, 0).step(0, 1, 0).step(1, 1, 512).times(0, 0, 64).times(1, 0, 64);
@@ -351,6 +410,18 @@ TEST(RoboplusPages, EndWhereAPageFollowsThatWasPlayed) {
   EXPECT_TRUE(motions[0].notes.empty());
   EXPECT_EQ(motions[2].sections.size(), 1u);
   EXPECT_NE(notes_of(motions[2]).find("for ever"), std::string::npos);
+}
+
+TEST(ForeignMotions, NameTheFormatsAndWhatTheFileIs) {
+  const std::string expected =
+      ", expected a motion of Webots, ROBOTIS (.mtn, .bin, .mtnx), KONDO (.h4p), Choreonoid (.pseq), "
+      "Bit-Bots or "
+      "bold-humanoid (JSON), or a table (CSV)";
+  EXPECT_EQ(message_of(std::string("KMOT\x02\0\0\0\x20\0\0\0", 12)),
+            "file: found the image of a motion of Koboshi, which koboshi motion decompile reads" + expected);
+  EXPECT_EQ(message_of("# bow\nversion: 2\nrobot: koboshi\nname: bow\nsteps: []\n"),
+            "file: found a motion file of Koboshi, which needs no import" + expected);
+  EXPECT_EQ(message_of("hello"), "file: found a file of no known format" + expected);
 }
 
 TEST(ForeignMotions, RefuseWhatIsNone) {
