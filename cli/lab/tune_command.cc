@@ -68,8 +68,8 @@ auto show_search(const std::string& label, const std::string& unit, const std::f
   }();
   for (const auto& [path, value] : result.numbers) fmt::print("{}: {}\n", path, value);
   fmt::print("{}{}", lab::infeasible_text(result.infeasible, result.counts.candidates), result.lost);
-  fmt::print("{}{:.4f}{} on the seeds that it was tuned on, of {}; results in {}\n", label, result.score,
-             unit, lab::counts_text(result.counts), out.string());
+  fmt::print("{}{:.4f}{} on the seeds that it was tuned on; {}; results in {}\n", label, result.score, unit,
+             lab::counts_text(result.counts), out.string());
   return result;
 }
 
