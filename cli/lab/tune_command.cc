@@ -42,7 +42,7 @@ struct TuneGaitArguments {
 void add_search_options(CLI::App& command, lab::SearchOptions& options, std::size_t min_evaluations,
                         std::string& stepper, std::string& robot) {
   add_number(command, "--evaluations", options.evaluations, min_evaluations, 1'000'000,
-             "Candidates that are tried");
+             "Candidates that are tried; one that rounds to an earlier one counts, but is not played again");
   add_number(command, "--spread", options.spread, 0.001, 0.5,
              "Standard deviation of the first candidates about the start, as a share of the ranges");
   add_number(command, "--seeds", options.seeds, 1, 1000, "Worlds in which each candidate is tried");
@@ -60,14 +60,15 @@ auto show_search(const std::string& label, const std::string& unit, const std::f
   const auto result = [&] {
     const ProgressLine line;
     return run([&](const lab::SearchProgress& progress) {
-      line.show(fmt::format("{} of {} evaluations, {}{:.4f}{}, best {:.4f}{}", progress.done, progress.total,
-                            label, progress.score, unit, progress.best, unit));
+      line.show(fmt::format("{} of {} candidates, {} evaluated, {}{:.4f}{}, best {:.4f}{}",
+                            progress.done.candidates, progress.total, progress.done.evaluated, label,
+                            progress.score, unit, progress.best, unit));
     });
   }();
   for (const auto& [path, value] : result.numbers) fmt::print("{}: {}\n", path, value);
-  fmt::print("{}{}", lab::infeasible_text(result.infeasible, result.evaluations), result.lost);
-  fmt::print("{}{:.4f}{} on the seeds that it was tuned on; results in {}\n", label, result.score, unit,
-             out.string());
+  fmt::print("{}{}", lab::infeasible_text(result.infeasible, result.counts.candidates), result.lost);
+  fmt::print("{}{:.4f}{} on the seeds that it was tuned on; {}; results in {}\n", label, result.score, unit,
+             lab::counts_text(result.counts), out.string());
   return result;
 }
 
@@ -86,10 +87,10 @@ void tune_in_shards(const lab::Study& study, const lab::StudyOptions& options, c
     const ProgressLine line;
     const lab::SearchResult result =
         lab::play_study_shard(study, options, *shards.shard, [&line](const lab::SearchProgress& progress) {
-          line.show(fmt::format("{} of {} evaluations", progress.done, progress.total));
+          line.show(fmt::format("{} of {} candidates", progress.done.candidates, progress.total));
         });
-    fmt::print("shard {} of {}: the search has ended after {} evaluations\n", shards.shard->number, count,
-               result.evaluations);
+    fmt::print("shard {} of {}: the search has ended after {}\n", shards.shard->number, count,
+               lab::counts_text(result.counts));
   }
 }
 
@@ -165,9 +166,9 @@ void add_tune_gait_command(CLI::App& experiment) {
       "tune-gait", "Optimise the parameters of a gait: the robot walks fast and does not fall");
   command->footer(
       "CMA-ES, started from a gait file; keys that it does not have, and the gains where the feedback is\n"
-      "off, are left alone. All cases get the same number of evaluations, each on the same worlds. An\n"
+      "off, are left alone. All cases get the same number of candidates, each on the same worlds. An\n"
       "interrupted search resumes when it is called again. evaluations.csv in the folder of the results\n"
-      "lists every evaluation.\n\n"
+      "lists every candidate.\n\n"
       "Example:\n"
       "  koboshi experiment tune-gait --points 8 --feedback off --gait robots/koboshi/gaits/8-off.yaml\n");
   command->add_option("SCENARIO", options.experiment.scenario, "File or name of a scenario that walks")

@@ -24,6 +24,7 @@
 #include "tools/motion_files/convert.h"
 #include "tools/motion_files/format/readers.h"
 #include "tools/motion_files/joint_map.h"
+#include "tools/motion_files/joint_map_file.h"
 
 namespace koboshi::cli {
 namespace {
@@ -43,6 +44,7 @@ struct MotionImportArguments {
 struct Destination {
   sim_board::RobotDescription robot;
   simulation::NamedModel model;
+  std::optional<tools::JointMapFile> map;
   tools::ConversionOptions options;
 };
 
@@ -86,15 +88,16 @@ Destination destination_of(const MotionImportArguments& arguments) {
   simulation::NamedModel model = simulation::load_named_model(robot);
   tools::ConversionOptions options{.retime = arguments.retime, .largest_clamp_rad = {}};
   if (arguments.clamp_deg) options.largest_clamp_rad = kRadPerDegree * *arguments.clamp_deg;
-  return {std::move(robot), std::move(model), options};
+  std::optional<tools::JointMapFile> map;
+  if (!arguments.map.empty()) map.emplace(arguments.map, robot);
+  return {std::move(robot), std::move(model), std::move(map), options};
 }
 
 // Converts a motion and says what was changed in it. `place` is FILE or FILE:PAGE.
 tools::ConvertedMotion convert(const std::string& place, const std::filesystem::path& file,
-                               const tools::ForeignMotion& motion, const std::filesystem::path& map,
-                               const Destination& to) {
-  tools::ConvertedMotion converted = tools::convert_motion(
-      file, motion, tools::find_joints(file, motion, to.robot, map), to.model, to.options);
+                               const tools::ForeignMotion& motion, const Destination& to) {
+  const tools::JointMap joints = tools::find_joints(file, motion, to.robot, to.map ? &*to.map : nullptr);
+  tools::ConvertedMotion converted = tools::convert_motion(file, motion, joints, to.model, to.options);
   for (const std::string& line : converted.report) print_error("{}: {}\n", place, utf8_line(line));
   print_error(
       "{}: {}; {} left out as straight, {} clamped, {} stretched; {:.3f} s in the file, {:.3f} s now\n",
@@ -135,10 +138,9 @@ int import_all(const MotionImportArguments& arguments, const std::vector<tools::
   for (const tools::ForeignMotion& motion : motions) {
     const std::string place = fmt::format("{}:{}", arguments.file, motion.page);
     try {
-      results.emplace_back(arguments.out / file_name(motion),
-                           convert(place, file, motion, arguments.map, to).text);
+      results.emplace_back(arguments.out / file_name(motion), convert(place, file, motion, to).text);
     } catch (const InputError& error) {
-      if (error.file() != file) throw;  // of the map, and so of every page
+      if (error.file() != file) throw;  // of the robot, and so of every page
       print_error("{}: left out: {}\n", place, error.what());
     }
   }
@@ -162,8 +164,7 @@ int import_motion(MotionImportArguments& arguments) {
     return import_all(arguments, motions);
   }
   const tools::ForeignMotion& motion = choose(file, motions, page);
-  const std::string text =
-      convert(file.string(), file, motion, arguments.map, destination_of(arguments)).text;
+  const std::string text = convert(file.string(), file, motion, destination_of(arguments)).text;
   if (arguments.out.empty()) {
     fmt::print("{}", text);
     return 0;

@@ -106,12 +106,12 @@ enum class Event : std::uint8_t {
   kPlay,
   kWalk,
   kStream,
-  kPushed,  // beyond what a robot that stands can take
   kReset,
   kEmergencyStop,
   kEnabled,  // all drives are in operation enabled
   kGetUp,
-  kEnded,  // of the state's source of targets
+  kEnded,   // of the state's source of targets
+  kPushed,  // beyond what a robot that stands can take
   kLowBattery,
   kSitDown,             // the supply is low, and the robot has a motion for it
   kFall,                // detected, before the impact

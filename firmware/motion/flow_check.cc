@@ -197,9 +197,50 @@ MotionVerdict FlowCheck::check_time() const {
     }
   }
   for (std::size_t i = 0; i < motion_.step_count(); ++i) {
-    if (!settled.contains(i)) return refuse(MotionStatus::kTakesNoTime, i);
+    if (!settled.contains(i)) return refuse(MotionStatus::kTakesNoTime, first_of_cycle(settled, i));
   }
   return kAccepted;
+}
+
+// Returns a step after this one that does not settle either. Where the passes of check_time() were too few
+// there may be none; then returns the step itself.
+std::size_t FlowCheck::next_unsettled(const Steps& settled, std::size_t index) const {
+  const Step step = motion_.step(index);
+  std::size_t next = index + 1;
+  switch (step.opcode) {
+    case Opcode::kJump:
+      if (!settled.contains(step.operand)) next = step.operand;
+      break;
+    case Opcode::kLoopEnd:
+      if (!settled.contains(step.operand + 1u)) next = step.operand + 1u;
+      break;
+    case Opcode::kBranch:
+      next += Condition::of(step).count;
+      if (!settled.contains(step.operand)) next = step.operand;
+      break;
+    case Opcode::kAwait:
+      next += Condition::of(step).count;
+      break;
+    default:
+      break;
+  }
+  return next >= motion_.step_count() || settled.contains(next) ? index : next;
+}
+
+// Returns the first step of a cycle without time to which an unsettled step leads; a loop begins with its
+// kLoopBegin.
+std::size_t FlowCheck::first_of_cycle(const Steps& settled, std::size_t index) const {
+  // After as many steps as there are it is on the cycle, and after as many again around it.
+  for (std::size_t i = 0; i < motion_.step_count(); ++i) index = next_unsettled(settled, index);
+  std::size_t first = index;
+  for (std::size_t i = 0; i < motion_.step_count(); ++i) {
+    const Step step = motion_.step(index);
+    const std::size_t next = next_unsettled(settled, index);
+    if (step.opcode == Opcode::kLoopEnd && next <= index) first = std::min<std::size_t>(first, step.operand);
+    index = next;
+    first = std::min(first, index);
+  }
+  return first;
 }
 
 }  // namespace koboshi::motion

@@ -46,6 +46,8 @@ class FlowCheck {
   MotionVerdict check_nesting(std::size_t routine);
   MotionVerdict check_exit() const;
   MotionVerdict check_time() const;
+  [[nodiscard]] std::size_t next_unsettled(const Steps& settled, std::size_t index) const;
+  [[nodiscard]] std::size_t first_of_cycle(const Steps& settled, std::size_t index) const;
   [[nodiscard]] bool leads_to(const Steps& steps, const Steps& timed, std::size_t index) const;
 
   // Routine 0 is the main program; the subroutines follow in the order of their steps.

@@ -1,7 +1,6 @@
 #include "lab/cluster/child.h"
 
 #include <fcntl.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -10,9 +9,8 @@
 #include <system_error>
 
 #include "base/text/error.h"
+#include "hal/linux/child_process.h"
 #include "hal/linux/file_descriptor.h"
-
-extern char** environ;
 
 namespace koboshi::lab {
 namespace {
@@ -38,26 +36,16 @@ ChildResult run_child(const std::vector<std::string>& arguments, ChildOutput out
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
   const hal::FileDescriptor from(pipe[0]);
   hal::FileDescriptor into(pipe[1]);
-  std::vector<std::string> texts = arguments;
-  std::vector<char*> argv;
-  for (std::string& text : texts) argv.push_back(text.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  if (output == ChildOutput::kCaptured)
-    posix_spawn_file_actions_adddup2(&actions, into.number(), STDOUT_FILENO);
-  if (!directory.empty()) posix_spawn_file_actions_addchdir_np(&actions, directory.c_str());
+  hal::ChildSetup setup{.directory = directory};
+  if (output == ChildOutput::kCaptured) setup.output = into.number();
   pid_t child = 0;
-  const int error = posix_spawnp(&child, argv.front(), &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
+  const int error = hal::spawn(arguments, setup, child);
   if (error == ENOENT) throw InputError(arguments.front(), 0, "no such program", remedy);
   if (error != 0) throw std::system_error(error, std::generic_category(), arguments.front());
   into = hal::FileDescriptor();
   ChildResult result;
   result.output = read_to_end(from.number());
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  const int status = hal::wait_for_child(child);
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return result;
 }

@@ -75,7 +75,7 @@ struct TrialsMissing : std::runtime_error {
 
 // Calls `merge` with a new folder inside of `folder`, whose files move into `folder` once it has returned:
 // the results of a merge are there whole or not at all. Locks `folder`. Turns TrialsMissing into an
-// InputError that says how far the search has come, by `so_far`: "40 of 2000 evaluations".
+// InputError that says how far the search has come, by `so_far`: "40 of 2000 candidates".
 void merge_into(const std::filesystem::path& folder,
                 const std::function<void(const std::filesystem::path&)>& merge,
                 const std::function<std::string()>& so_far);

@@ -1,14 +1,11 @@
 #pragma once
 
-#include <cstdint>
 #include <limits>
-#include <memory>
 #include <optional>
 
 #include "hal/port/side.h"
 #include "simulation/assembly/simulation.h"
 #include "simulation/observe/run_recorder.h"
-#include "simulation/scenario/scenario.h"
 
 namespace koboshi::lab {
 

@@ -1,7 +1,11 @@
 #include "lab/tune/search.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include "base/text/text.h"
 
 namespace koboshi::lab {
 
@@ -24,6 +28,14 @@ std::vector<double> values_at(std::span<const SearchedNumber> numbers, const std
     values.push_back(std::clamp(divides_unit ? steps / per_unit : steps * grid, low, high));
   }
   return values;
+}
+
+std::string counts_text(const CandidateCounts& counts) {
+  std::string text = count_text(counts.candidates, "candidate");
+  if (counts.evaluated < counts.candidates)
+    text +=
+        fmt::format(", {} evaluated and {} repeated", counts.evaluated, counts.candidates - counts.evaluated);
+  return text;
 }
 
 Search::Search(Setup setup, const SearchOptions& options, const ShowProgress& progress)
@@ -53,13 +65,13 @@ const Candidate& Search::add_infeasible(Candidate candidate, const InputError& e
 }
 
 const Candidate& Search::add(Candidate candidate) {
+  different_.insert(candidate.numbers);
   candidates_.push_back(std::move(candidate));
   if (log_) {
     log_->write(csv_line(row(candidates_.size() - 1)));
     log_->flush();  // an evaluation takes minutes
   }
-  if (progress_)
-    progress_({candidates_.size(), options_.evaluations, candidates_.back().score, best().score});
+  if (progress_) progress_({counts(), options_.evaluations, candidates_.back().score, best().score});
   return candidates_.back();
 }
 
@@ -69,8 +81,7 @@ const Candidate& Search::best() const {
 
 SearchResult Search::finish() {
   if (log_) log_->close();
-  SearchResult result{
-      .score = best().score, .evaluations = candidates_.size(), .infeasible = infeasible_.counts()};
+  SearchResult result{.score = best().score, .counts = counts(), .infeasible = infeasible_.counts()};
   for (std::size_t i = 0; i < setup_.numbers.size(); ++i) {
     result.numbers.emplace_back(setup_.numbers[i].path, best().numbers[i]);
   }

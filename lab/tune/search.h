@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -42,16 +43,24 @@ struct SearchOptions {
   std::filesystem::path out{};        // folder of the log and the result; empty: neither
   std::uint64_t first_seed = 9000;
   std::size_t seeds = 3;
-  std::size_t evaluations = 200;
-  std::size_t population = 8;  // of a generation
+  std::size_t evaluations = 200;  // candidates; one that rounds to an earlier one counts, too
+  std::size_t population = 8;     // of a generation
   double spread = 0.15;  // of the first generation about the start: standard deviation, as a share of ranges
   std::size_t jobs = 1;
 };
 
+// Candidates of a search. Those that round to the parameters of an earlier one are not evaluated again.
+struct CandidateCounts {
+  std::size_t candidates = 0;
+  std::size_t evaluated = 0;
+};
+// "20 candidates", or "20 candidates, 17 evaluated and 3 repeated".
+[[nodiscard]] std::string counts_text(const CandidateCounts& counts);
+
 struct SearchProgress {
-  std::size_t done = 0;
-  std::size_t total = 0;
-  double score = 0.0;  // of the last candidate
+  CandidateCounts done{};
+  std::size_t total = 0;  // candidates
+  double score = 0.0;     // of the last candidate
   double best = 0.0;
 };
 using ShowProgress = std::function<void(const SearchProgress&)>;
@@ -59,7 +68,7 @@ using ShowProgress = std::function<void(const SearchProgress&)>;
 struct SearchResult {
   std::vector<std::pair<std::string, double>> numbers{};  // by path
   double score = 0.0;  // mean over the seeds that were searched on: more than it will get on others
-  std::size_t evaluations = 0;
+  CandidateCounts counts{};
   std::map<std::string, std::size_t> infeasible{};  // candidates by the limit that they violate
   std::string lost{};                               // LostTrials::text() of a study
 };
@@ -99,6 +108,7 @@ class Search {
   SearchResult finish();
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
+  CandidateCounts counts() const { return {candidates_.size(), different_.size()}; }
   const Candidate& best() const;
   const InfeasibleCounter& infeasible() const { return infeasible_; }
   // The head of evaluations.csv, and the row of a candidate.
@@ -111,6 +121,7 @@ class Search {
   const ShowProgress& progress_;
   std::optional<OutputFile> log_{};
   std::vector<Candidate> candidates_;
+  std::set<std::vector<double>> different_;  // their parameters
   InfeasibleCounter infeasible_;
 };
 

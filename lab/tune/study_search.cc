@@ -91,12 +91,12 @@ class StudySearch {
     write_whole_file(options_.out / "best.yaml", text);
     if (options_.method == Method::kNsga2) write_front();
     write_report(search_.best());
-    write_state({search_.candidates().size(), options_.evaluations, 0.0, result.score}, "finished");
+    write_state({search_.counts(), options_.evaluations, 0.0, result.score}, "finished");
     return result;
   }
 
   std::vector<double> start_values() const { return values_at(study_.numbers, start_of(study_.numbers)); }
-  // Candidates that are evaluated.
+  // Candidates whose scores are known.
   std::size_t done() const { return search_.candidates().size(); }
 
  private:
@@ -142,8 +142,9 @@ class StudySearch {
                                     {"numbers", numbers},
                                     {"trials", trials},
                                     {"state", state},
-                                    {"done", now.done}};
-    if (now.done > 0) document["best"] = now.best;
+                                    {"done", now.done.candidates},
+                                    {"evaluated", now.done.evaluated}};
+    if (now.done.candidates > 0) document["best"] = now.best;
     simulation::write_json(options_.out / "search.json", document);
   }
 
@@ -164,7 +165,6 @@ class StudySearch {
 
   void write_report(const Candidate& best) const {
     const Candidate& first = search_.candidates().front();
-    const std::size_t evaluations = search_.candidates().size();
     std::vector<Row> numbers;
     for (std::size_t i = 0; i < study_.numbers.size(); ++i) {
       const SearchedNumber& n = study_.numbers[i];
@@ -178,16 +178,17 @@ class StudySearch {
     }
     trials.push_back({"mean", "", fmt::format("{:.4f}", first.score), fmt::format("{:.4f}", best.score)});
     const std::string figure = "\n" + draw_course() + "\n\n";
-    write_whole_file(
-        options_.out / "report.md",
-        fmt::format(
-            "# {}\n\n{} evaluations in {} worlds each, seeds {} to {}: judge what was found on others.\n",
-            study_.file.filename().string(), evaluations, options_.seeds, options_.first_seed,
-            options_.first_seed + options_.seeds - 1) +
-            infeasible_text(search_.infeasible().counts(), evaluations) + lost_.text() + figure +
-            table_text({"number", "range", "start", "found"}, numbers, TableStyle::kMarkdown) + "\n" +
-            table_text({"trial", "weight", "score of the start", "score of the result"}, trials,
-                       TableStyle::kMarkdown));
+    write_whole_file(options_.out / "report.md",
+                     fmt::format("# {}\n\n{}, in {} each, seeds {} to {}: judge what was found on others.\n",
+                                 study_.file.filename().string(), counts_text(search_.counts()),
+                                 count_text(options_.seeds, "world"), options_.first_seed,
+                                 options_.first_seed + options_.seeds - 1) +
+                         infeasible_text(search_.infeasible().counts(), search_.candidates().size()) +
+                         lost_.text() + figure +
+                         table_text({"number", "range", "start", "found"}, numbers, TableStyle::kMarkdown) +
+                         "\n" +
+                         table_text({"trial", "weight", "score of the start", "score of the result"}, trials,
+                                    TableStyle::kMarkdown));
   }
 
   // Draws the score of each evaluation and of each trial in it. Returns the Markdown that shows the figure,
@@ -487,7 +488,7 @@ SearchResult merge_study(const Study& study, const StudyOptions& options, std::s
                          const ShowProgress& progress) {
   check_shards(options);
   SearchResult result;
-  std::size_t done = 0;
+  CandidateCounts done;
   const auto merge = [&](const std::filesystem::path& folder) {
     StudyOptions beside = options;
     beside.out = folder;
@@ -498,7 +499,7 @@ SearchResult merge_study(const Study& study, const StudyOptions& options, std::s
              }).search();
   };
   merge_into(options.out, merge,
-             [&] { return fmt::format("{} of {} evaluations", done, options.evaluations); });
+             [&] { return fmt::format("{} of {} candidates", done.candidates, options.evaluations); });
   return result;
 }
 

@@ -95,7 +95,7 @@ void Simulation::reset(std::uint64_t seed) {
   player_.reset();
   board_.reset();
   host_.reset();
-  run_ = std::make_shared<Snapshot::Run>();
+  run_ = std::make_shared<Snapshot::Run>(*run_);
   scenario_.seed = seed;
   power_on();
 }
@@ -111,8 +111,12 @@ Snapshot Simulation::snapshot() {
 }
 
 void Simulation::restore(const Snapshot& snapshot) {
+  if (snapshot.run_->simulation != run_->simulation)
+    throw std::logic_error(
+        "found a snapshot of another simulation, expected one that this simulation has made");
   if (snapshot.run_ != run_)
-    throw std::logic_error("a snapshot of another simulation, or from before a reset, cannot be restored");
+    throw std::logic_error(
+        "found a snapshot from before the last reset of this simulation, expected one from after it");
   if (!std::ranges::equal(snapshot.companions_, companions_))
     throw std::logic_error("a snapshot was taken with other observers attached than there are now");
   Parts parts{*board_, *player_, companions_};

@@ -60,9 +60,9 @@ class Simulation {
   // uninterrupted one. Throws sim_board::NotSaveable, with one line, if a part of the state is outside this
   // process: firmware in QEMU, a bridge to a live bus, a recorder of files.
   Snapshot snapshot();
-  // Restores a snapshot of this simulation, any number of times. Throws std::logic_error for a snapshot of
-  // another simulation or from before a reset(), and if the companions or the nodes on the bus have changed
-  // since.
+  // Restores a snapshot of this simulation, any number of times. Throws std::logic_error, which says which,
+  // for a snapshot of another simulation or from before a reset(), and if the companions or the nodes on the
+  // bus have changed since.
   void restore(const Snapshot& snapshot);
   // Includes a companion in each snapshot. The companion must outlive the simulation or be detached before.
   void attach(Companion& companion) { companions_.push_back(&companion); }
@@ -102,7 +102,8 @@ class Simulation {
   std::unique_ptr<sim_board::SimBoard> board_;
   std::unique_ptr<ScenarioPlayer> player_;
   std::vector<Companion*> companions_;
-  std::shared_ptr<const Snapshot::Run> run_ = std::make_shared<Snapshot::Run>();
+  std::shared_ptr<const Snapshot::Run> run_ =
+      std::make_shared<Snapshot::Run>(Snapshot::Run{std::make_shared<Snapshot::Identity>()});
 };
 
 }  // namespace koboshi::simulation

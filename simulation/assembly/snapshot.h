@@ -29,8 +29,12 @@ class Snapshot {
 
  private:
   friend class Simulation;
-  // Identifies one run of one Simulation by its address.
-  struct Run {};
+  // Identifies one Simulation by its address.
+  struct Identity {};
+  // Identifies one run of it, from reset to reset, by its address.
+  struct Run {
+    std::shared_ptr<const Identity> simulation;
+  };
 
   Snapshot() = default;
 

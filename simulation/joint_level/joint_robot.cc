@@ -109,7 +109,7 @@ JointRobot::JointRobot(std::shared_ptr<const JointScenario> prepared, std::uint6
 void JointRobot::reset(std::uint64_t seed, std::uint64_t until_us) {
   power_.reset();
   scenario_.seed = seed;
-  run_ = std::make_shared<Run>();
+  run_ = std::make_shared<Run>(*run_);
   power_on();
   while (now_us() < until_us) step(hal::kControlPeriod_us / hal::kServicePeriod_us);
 }
@@ -234,8 +234,11 @@ JointRobot::Saved JointRobot::save() {
 }
 
 void JointRobot::restore(const Saved& saved) {
+  if (saved.run->robot != run_->robot)
+    throw std::logic_error("found a snapshot of another robot, expected one that this robot has made");
   if (saved.run != run_)
-    throw std::logic_error("a state of another robot, or from before a reset, cannot be restored");
+    throw std::logic_error(
+        "found a snapshot from before the last reset of this robot, expected one from after it");
   sim_board::StateArchive::restore(saved.state, *power_->board, *power_->player);
 }
 

@@ -93,9 +93,12 @@ class JointRobot {
 
   // As ScenarioPlayer::push; it has been checked.
   void push(const Push& push) { power_->player->push(push); }
-  // Saves the state between two steps; `restore` returns to it any number of times, with the same bits. Throw
-  // std::logic_error for a state of another robot or from before a reset().
-  struct Run {};  // a robot between two resets, by its address
+  // Saves the state between two steps; `restore` returns to it any number of times, with the same bits.
+  // Throws std::logic_error, which says which, for a state of another robot or from before a reset().
+  struct Identity {};  // a robot, by its address
+  struct Run {         // a robot between two resets, by its address
+    std::shared_ptr<const Identity> robot;
+  };
   struct Saved {
     std::shared_ptr<const Run> run;
     sim_board::SavedState state;
@@ -139,7 +142,7 @@ class JointRobot {
   Scenario scenario_;  // the prepared one with this robot's seed
   std::vector<ObservationField> fields_;
   std::unique_ptr<Power> power_;
-  std::shared_ptr<const Run> run_ = std::make_shared<Run>();
+  std::shared_ptr<const Run> run_ = std::make_shared<Run>(Run{std::make_shared<Identity>()});
 };
 
 }  // namespace koboshi::simulation

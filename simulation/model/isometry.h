@@ -2,10 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "firmware/fixed/host/convert.h"
 #include "firmware/robot/geometry.h"
+#include "firmware/robot/leg.h"
 
 namespace koboshi::simulation {
 
@@ -23,6 +25,11 @@ namespace koboshi::simulation {
     X.linear().row(row) = vector_of(pose.R.rows[static_cast<std::size_t>(row)]).transpose();
   X.translation() = vector_of(pose.p);
   return X;
+}
+
+// The middle between the hips (H) of both legs at joint zero, in axes of the trunk.
+[[nodiscard]] inline Eigen::Vector3d hip_centre_B(const std::array<robot::LegGeometry, 2>& legs) {
+  return 0.5 * (vector_of(legs[0].p_BH_B) + vector_of(legs[1].p_BH_B));
 }
 
 // Roll, pitch and yaw of a rotation about the fixed axes x, y, z, in rad.

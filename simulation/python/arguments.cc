@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/text/text.h"
 #include "simulation/assembly/operator_input.h"
 #include "simulation/disturbance/world_text.h"
 #include "simulation/scenario/paths.h"
@@ -31,12 +32,17 @@ std::string yaml_of(const py::handle& value) {
   return text.cast<std::string>();
 }
 
+// A Python value on one line of a message; NumPy writes a row of a matrix on a line of its own.
+std::string quoted(const py::handle& value) {
+  const py::str words = py::str(" ").attr("join")(py::repr(value).attr("split")());
+  return one_line(words.cast<std::string>());
+}
+
 std::vector<double> numbers_of(const py::handle& vector) {
   try {
     return vector.cast<std::vector<double>>();
   } catch (const py::cast_error&) {
-    throw std::invalid_argument("found " + py::repr(vector).cast<std::string>() +
-                                ", expected a list of numbers");
+    throw std::invalid_argument("found " + quoted(vector) + ", expected a list of numbers");
   }
 }
 

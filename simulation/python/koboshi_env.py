@@ -50,6 +50,21 @@ except ImportError:
 
 
 _MAX_SEED = 2**31
+_CONTROL_PERIOD_MS = 10
+_LONGEST_STEP_MS = 10_000
+
+
+def _step_ms(milliseconds):
+    """The argument as an integer: the drives take a target each 10 ms, so that a step is a multiple of that."""
+    if milliseconds != milliseconds // 1 or not 0 < milliseconds <= _LONGEST_STEP_MS or milliseconds % _CONTROL_PERIOD_MS:
+        raise ValueError(f"found milliseconds={milliseconds}, expected a multiple of {_CONTROL_PERIOD_MS} "
+                         f"from {_CONTROL_PERIOD_MS} to {_LONGEST_STEP_MS}")
+    return int(milliseconds)
+
+
+def _check_number(name, value, may_be_zero):
+    if not (0 <= value < float("inf")) or (value == 0 and not may_be_zero):
+        raise ValueError(f"found {name}={value}, expected a number {'of 0 or more' if may_be_zero else 'above 0'}")
 
 
 class _Balance:
@@ -58,9 +73,13 @@ class _Balance:
     metadata = {"render_modes": [], "autoreset_mode": _NEXT_STEP}
 
     def __init__(self, robot, action_rad, milliseconds, episode_s, push_N_s, push_every_s, lost_rad):
+        self.milliseconds = _step_ms(milliseconds)
+        for name, value in (("episode_s", episode_s), ("push_every_s", push_every_s), ("lost_rad", lost_rad)):
+            _check_number(name, value, False)
+        for name, value in (("action_rad", action_rad), ("push_N_s", push_N_s)):
+            _check_number(name, value, True)
         self.layout = robot.layout
         self.limits = robot.joint_limits_rad
-        self.milliseconds = milliseconds
         self.episode_steps = max(1, round(1000 * episode_s / milliseconds))
         self.action_rad, self.push_N_s, self.lost_rad = action_rad, push_N_s, lost_rad
         self.push_steps = max(1, round(1000 * push_every_s / milliseconds))
@@ -97,7 +116,7 @@ class BalanceEnv(_Env):
     trunk leans by more than `lost_rad` or a drive fails (terminated), or after `episode_s` (truncated).
 
     scenario, stepper, robot, world, set: arguments of koboshi.Robot.
-    milliseconds: simulated time of a step, a multiple of 10.
+    milliseconds: simulated time of a step, a multiple of 10 from 10 to 10,000.
     """
 
     metadata = _Balance.metadata

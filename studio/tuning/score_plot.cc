@@ -32,7 +32,7 @@ QString ScorePlot::text() const {
   std::optional<double> best;
   for (const auto& score : scores_) best = std::max(best, score);
   if (!best) return tr("No evaluation yet");
-  return tr("%1 of %2 evaluations, best score %3").arg(scores_.size()).arg(total_).arg(*best, 0, 'f', 4);
+  return tr("%1 of %2 candidates, best score %3").arg(scores_.size()).arg(total_).arg(*best, 0, 'f', 4);
 }
 
 ScorePlot::Range ScorePlot::range() const {

@@ -55,7 +55,7 @@ class StudySearch : public testing::Test {
 TEST_F(StudySearch, WritesItsLogAndItsResult) {
   const lab::SearchResult result = search(lab::Method::kCmaEs);
   EXPECT_EQ(result.score, 1.0);
-  EXPECT_EQ(progress_.done, 16u);
+  EXPECT_EQ(progress_.done.candidates, 16u);
   EXPECT_EQ(lines(options_.out / "evaluations.csv"), 17);
   const std::string evaluations = contents(options_.out / "evaluations.csv");
   EXPECT_THAT(evaluations, HasSubstr("\n1,20,77.2,1,1,1,\n"));
@@ -76,6 +76,23 @@ TEST_F(StudySearch, ResumesFromItsLogWithTheSameResult) {
   EXPECT_EQ(lines(options_.out / "trials.jsonl"), played) << "nothing is played twice";
 }
 
+// Two sets of parameters are all that there are: every candidate rounds to one of them.
+TEST_F(StudySearch, CountsCandidatesThatRepeatAnEarlierOne) {
+  study_.numbers = {{.path = "parameters.step_height_mm", .low = 20, .high = 30, .grid = 10, .start = 20}};
+  options_.spread = 0.5;
+  const lab::SearchResult result = search(lab::Method::kCmaEs);
+  EXPECT_EQ(result.counts.candidates, 16u);
+  EXPECT_EQ(result.counts.evaluated, 2u);
+  EXPECT_EQ(progress_.done.candidates, 16u);
+  EXPECT_EQ(progress_.done.evaluated, 2u);
+  EXPECT_EQ(lines(options_.out / "evaluations.csv"), 17);
+  EXPECT_EQ(lines(options_.out / "trials.jsonl"), 4) << "two sets in two trials";
+  EXPECT_THAT(contents(options_.out / "report.md"),
+              HasSubstr("16 candidates, 2 evaluated and 14 repeated, in 1 world each, seeds"));
+  EXPECT_THAT(contents(options_.out / "search.json"), HasSubstr("\"done\": 16,\n  \"evaluated\": 2,"));
+  EXPECT_EQ(lab::counts_text({16, 16}), "16 candidates");
+}
+
 class InfeasibleStudySearch : public StudySearch {
  protected:
   InfeasibleStudySearch() {
@@ -90,8 +107,8 @@ class InfeasibleStudySearch : public StudySearch {
 
 TEST_F(InfeasibleStudySearch, CountsInfeasibleCandidatesByTheirLimitAndContinues) {
   const lab::SearchResult result = search(lab::Method::kCmaEs);
-  EXPECT_EQ(progress_.done, 16u);
-  EXPECT_EQ(result.evaluations, 16u);
+  EXPECT_EQ(progress_.done.candidates, 16u);
+  EXPECT_EQ(result.counts.candidates, 16u);
   EXPECT_EQ(result.score, 1.0);
   std::size_t infeasible = 0;
   for (const auto& [limit, count] : result.infeasible) infeasible += count;

@@ -178,12 +178,17 @@ class Search(Case):
         second.wait()
         self.assertEqual(1, PROGRAM.run("lab", "status", folder).returncode)
         refused = self.played("lab", "collect", folder, status=2)
-        self.assertRegex(refused.stderr, r"found incomplete shards: \d+ of 10 trials are missing after \d+ of 20 evaluations, ")
+        self.assertRegex(refused.stderr, r"found incomplete shards: \d+ of 10 trials are missing after \d+ of 20 candidates, ")
         self.assertFalse((folder / "evaluations.csv").exists())
         second = self.start(2, folder)
+        numbers = len(json.loads((alone / "search.json").read_text())["numbers"])
+        rows = [line.split(",")[1:1 + numbers] for line in (alone / "evaluations.csv").read_text().splitlines()[1:]]
+        different = len(set(map(tuple, rows)))
+        self.assertLess(different, 20)  # candidates round to the same parameters in this search
+        counts = f"20 candidates, {different} evaluated and {20 - different} repeated"
         for number, process in ((1, first), (2, second)):
             output = process.communicate(timeout=300)[0]
-            self.assertEqual((0, f"shard {number} of 2: the search has ended after 20 evaluations\n"), (process.returncode, output))
+            self.assertEqual((0, f"shard {number} of 2: the search has ended after {counts}\n"), (process.returncode, output))
         self.played("lab", "status", folder)
         for _ in range(2):
             self.played("lab", "collect", folder)

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
@@ -31,6 +32,12 @@ struct Ticks {
   std::uint32_t worst = 0;             // maximum over all ticks, including those while booting
   std::uint32_t worst_after_boot = 0;  // likewise from kBooted_us on, with the tick that starts the walk
   std::uint32_t stack_peak_bytes = 0;
+
+  [[nodiscard]] std::uint32_t moving_mean() const {
+    const std::uint64_t sum = std::accumulate(moving.begin(), moving.end(), std::uint64_t{0});
+    return static_cast<std::uint32_t>(sum / moving.size());
+  }
+  [[nodiscard]] std::uint32_t moving_worst() const { return *std::ranges::max_element(moving); }
 };
 
 constexpr std::uint64_t kBooted_us = 1'000'000;
@@ -67,10 +74,8 @@ Ticks measure(const char* scenario, std::uint64_t duration_us, std::span<const O
 TEST(Budget, IsKept) {
   const Ticks ticks = measure("walk.yaml", 8'000'000);
   ASSERT_GT(ticks.moving.size(), 300u);
-  std::uint64_t sum = 0;
-  for (const std::uint32_t instructions : ticks.moving) sum += instructions;
-  const auto mean = static_cast<std::uint32_t>(sum / ticks.moving.size());
-  const std::uint32_t worst = *std::ranges::max_element(ticks.moving);
+  const std::uint32_t mean = ticks.moving_mean();
+  const std::uint32_t worst = ticks.moving_worst();
   RecordProperty("instructions_mean", static_cast<int>(mean));
   RecordProperty("instructions_worst", static_cast<int>(worst));
   RecordProperty("stack_bytes", static_cast<int>(ticks.stack_peak_bytes));
@@ -122,10 +127,8 @@ void expect_budget_of_legs_without_closed_form(const std::function<void(std::str
   const Override robot{"robot", changed_robot(folder.path / "robot", change).string()};
   const Ticks ticks = measure("go.yaml", 8'000'000, {&robot, 1});
   ASSERT_GT(ticks.moving.size(), 300u);
-  std::uint64_t sum = 0;
-  for (const std::uint32_t instructions : ticks.moving) sum += instructions;
-  const auto mean = static_cast<std::uint32_t>(sum / ticks.moving.size());
-  const std::uint32_t worst = *std::ranges::max_element(ticks.moving);
+  const std::uint32_t mean = ticks.moving_mean();
+  const std::uint32_t worst = ticks.moving_worst();
   std::printf("moving: mean %u, worst %u; worst after boot %u\n", mean, worst, ticks.worst_after_boot);
   EXPECT_GT(mean, kMean / 2);
   EXPECT_LE(mean, kMean);

@@ -202,16 +202,23 @@ class Conversion {
 
   // --- The text
 
+  // A name of the motion language has ASCII only.
   static std::string motion_name(const ForeignMotion& motion, const std::filesystem::path& file) {
+    for (const std::string& name : {ascii_name(motion.name), ascii_name(file.stem().string())}) {
+      if (!name.empty()) return name;
+    }
+    return "imported";
+  }
+
+  static std::string ascii_name(const std::string& text) {
     constexpr std::size_t kMost = 24;
     std::string name;
-    for (const char c : motion.name.empty() ? file.stem().string() : motion.name) {
+    for (const char c : text) {
       const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
       if (name.size() < kMost)
         name += letter ? c : name.empty() || name.back() == ' ' ? ' ' : c == '_' || c == '-' ? c : ' ';
     }
-    name = std::string(trimmed_name(name));
-    return name.empty() ? "imported" : name;
+    return std::string(trimmed_name(name));
   }
 
   void write(const ForeignMotion& motion) {

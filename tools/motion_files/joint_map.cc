@@ -11,6 +11,7 @@
 #include "base/text/text.h"
 #include "base/text/user_units.h"
 #include "base/yaml/yaml_reader.h"
+#include "tools/motion_files/joint_map_file.h"
 
 namespace koboshi::tools {
 namespace {
@@ -129,80 +130,6 @@ std::optional<MappedJoint> of_known_robot(const std::string& name, const sim_boa
   }
   return std::nullopt;
 }
-
-// --- The map file
-
-class MapFile {
- public:
-  MapFile(const std::filesystem::path& file, const sim_board::RobotDescription& robot)
-      : file_(file), robot_(robot) {
-    const YamlMap root = file_.root();
-    root.require_version(1);
-    for (const auto& [name, value] : root.child("joints").entries()) entries_.emplace_back(name, read(value));
-    file_.finish();
-  }
-
-  // Whether the map names this joint, and what it becomes.
-  bool find(const ForeignJoint& joint, bool ticks, std::optional<MappedJoint>& mapped) const {
-    for (const auto& [name, entry] : entries_) {
-      const bool same = name == joint.name || (joint.servo_id && name == std::to_string(*joint.servo_id));
-      if (!same) continue;
-      mapped.reset();
-      if (!entry.ignored) mapped = ticks ? entry.in_ticks : entry.in_rad;
-      return true;
-    }
-    return false;
-  }
-
-  // The joint that the map gives to this one of the robot: its name, and its number if the name is one.
-  std::optional<NamedForeignJoint> named(std::size_t joint, bool numbered, bool ticks) const {
-    for (const auto& [name, entry] : entries_) {
-      if (entry.ignored || entry.in_rad.joint != joint) continue;
-      constexpr std::array<std::string_view, 2> kBefore{"servo ", "joint "};
-      std::string_view digits = name;
-      for (const std::string_view before : kBefore) {
-        if (digits.starts_with(before)) digits.remove_prefix(before.size());
-      }
-      const auto id = parse_integer(digits);
-      const bool has_number = id && *id >= 0 && *id <= 254;
-      if (numbered != has_number) continue;
-      return NamedForeignJoint{
-          {.name = name, .servo_id = has_number ? std::optional(static_cast<int>(*id)) : std::nullopt},
-          ticks ? entry.in_ticks : entry.in_rad};
-    }
-    return std::nullopt;
-  }
-
- private:
-  struct Entry {
-    bool ignored = false;
-    MappedJoint in_rad{};
-    MappedJoint in_ticks{};
-  };
-
-  Entry read(const YamlValue& value) const {
-    if (!value.is_map()) {
-      if (value.text() != "ignore") throw value.error("a joint with its sign and zero, or 'ignore'");
-      return {.ignored = true};
-    }
-    const YamlMap map = value.map();
-    const std::string name = map.text("joint");
-    const auto joint = robot_.find_joint(name);
-    if (!joint) throw map.error_at("joint", "'" + name + "'", "a joint of " + robot_.name);
-    const auto place = static_cast<std::size_t>(*joint);
-    const double sign = static_cast<double>(map.integer("sign", {.min = -1, .max = 1}, 1));
-    if (sign == 0.0) throw map.error_at("sign", "0", "1 or -1");
-    const double per_turn = map.number("ticks_per_turn", {.min = 1, .max = 1e7}, 4096.0);
-    return {
-        .in_rad = {place, sign, kRadPerDegree * map.number("zero_deg", {.min = -360, .max = 360}, 0.0), 1.0},
-        .in_ticks = {place, sign, map.number("zero_ticks", {.min = -1e6, .max = 1e6}, 0.5 * per_turn),
-                     kTurn_rad / per_turn}};
-  }
-
-  YamlFile file_;
-  const sim_board::RobotDescription& robot_;
-  std::vector<std::pair<std::string, Entry>> entries_;
-};
 
 // --- Servos by number
 
@@ -350,9 +277,14 @@ std::string names_of(const std::vector<std::string>& names) {
 
 JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& motion,
                      const sim_board::RobotDescription& robot, const std::filesystem::path& map_file) {
+  if (map_file.empty()) return find_joints(file, motion, robot);
+  const JointMapFile map(map_file, robot);
+  return find_joints(file, motion, robot, &map);
+}
+
+JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& motion,
+                     const sim_board::RobotDescription& robot, const JointMapFile* map_of_user) {
   const bool ticks = motion.unit == ForeignMotion::Unit::kTicks;
-  std::optional<MapFile> map_of_user;
-  if (!map_file.empty()) map_of_user.emplace(map_file, robot);
   JointMap map;
   std::vector<std::string> unknown;
   std::vector<std::string> guessed;
@@ -364,7 +296,7 @@ JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& mot
   for (std::size_t column = 0; column < motion.joints.size(); ++column) {
     const ForeignJoint& joint = motion.joints[column];
     std::optional<MappedJoint> mapped;
-    const bool stated = map_of_user && map_of_user->find(joint, ticks, mapped);
+    const bool stated = map_of_user != nullptr && map_of_user->find(joint, ticks, mapped);
     if (!stated) mapped = by_maker(joint, ticks, robot);
     if (!stated && !mapped) mapped = by_source(joint.name, sources, robot);
     if (!stated && !mapped && !ticks && !robot.find_joint(joint.name)) {
@@ -427,7 +359,7 @@ JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& mot
 std::vector<std::optional<NamedForeignJoint>> foreign_joints(const sim_board::RobotDescription& robot,
                                                              bool numbered, bool ticks,
                                                              const std::filesystem::path& map_file) {
-  std::optional<MapFile> map;
+  std::optional<JointMapFile> map;
   if (!map_file.empty()) map.emplace(map_file, robot);
   std::vector<std::optional<NamedForeignJoint>> joints;
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {

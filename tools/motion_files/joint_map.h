@@ -27,8 +27,10 @@ struct JointMap {
   std::vector<ForeignNote> notes{};  // what was guessed or dropped
 };
 
+class JointMapFile;
+
 // Finds the robot's joint for each joint of the file, in this order:
-//   - in the map of `map_file`, if there is one;
+//   - in the map of `map`, if there is one;
 //   - a numbered servo by the robot's `koboshi:maker`;
 //   - by the name that the joint has in the file from which the robot was imported (import.yaml beside the
 //     robot's file), with the sign and the zero of that file, which are those of the drive's shaft;
@@ -40,7 +42,11 @@ struct JointMap {
 // motion without a part of its joints is another motion; the message says what to do.
 [[nodiscard]] JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& motion,
                                    const sim_board::RobotDescription& robot,
-                                   const std::filesystem::path& map_file = {});
+                                   const JointMapFile* map = nullptr);
+// The same with the map of a file, which is none if its path is empty.
+[[nodiscard]] JointMap find_joints(const std::filesystem::path& file, const ForeignMotion& motion,
+                                   const sim_board::RobotDescription& robot,
+                                   const std::filesystem::path& map_file);
 
 // The joints of the robot itself, in their order, in rad.
 [[nodiscard]] JointMap same_joints(const simulation::NamedModel& robot);

@@ -77,7 +77,7 @@ class Figure {
   Isometry3d sole_B(std::size_t side) const {
     return isometry_of(robot::sole_pose(robot_.model, static_cast<hal::Side>(side), X_BLinks_));
   }
-  Vector3d hips_B() const { return 0.5 * (vector_of(legs_[0].p_BH_B) + vector_of(legs_[1].p_BH_B)); }
+  Vector3d hips_B() const { return simulation::hip_centre_B(legs_); }
   // From here to the hand it is as far as the elbow alone decides.
   std::optional<Vector3d> shoulder_B(std::size_t side) const {
     auto joint = robot_.model.find(side == 0 ? JointRole::kLeftShoulderRoll : JointRole::kRightShoulderRoll);

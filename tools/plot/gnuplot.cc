@@ -1,6 +1,5 @@
 #include "tools/plot/gnuplot.h"
 
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,6 +14,7 @@
 
 #include "base/file/output_file.h"
 #include "base/text/text.h"
+#include "hal/linux/child_process.h"
 #include "hal/linux/file_descriptor.h"
 #include "tools/plot/figure.h"
 
@@ -67,21 +67,14 @@ class MemoryFile {
 };
 
 // Runs gnuplot. Its standard error goes into `messages`.
-bool succeeds(std::string script_path, const MemoryFile& messages) {
-  std::string program = "gnuplot";
-  char* const arguments[] = {program.data(), script_path.data(), nullptr};
+bool succeeds(const std::string& script_path, const MemoryFile& messages) {
+  const std::vector<char*> environment = utf8_environment();
   pid_t child = 0;
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, messages.descriptor(), STDERR_FILENO);
-  const int error =
-      posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments, utf8_environment().data());
-  posix_spawn_file_actions_destroy(&actions);
+  const int error = hal::spawn({"gnuplot", script_path},
+                               {.errors = messages.descriptor(), .environment = environment.data()}, child);
   if (error == ENOENT) throw PlotError("no figures: gnuplot is not installed (apt install gnuplot-nox)");
   if (error != 0) throw PlotError("no figures: gnuplot does not start: " + std::string(std::strerror(error)));
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  const int status = hal::wait_for_child(child);
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 

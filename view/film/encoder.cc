@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -20,8 +19,7 @@
 #include "base/file/output_file.h"
 #include "base/text/error.h"
 #include "base/text/foreign_text.h"
-
-extern char** environ;
+#include "hal/linux/child_process.h"
 
 namespace koboshi::view {
 namespace {
@@ -105,16 +103,9 @@ void Encoder::start(const std::vector<std::string>& arguments) {
   input_ = hal::FileDescriptor(ends[0]);
   const hal::FileDescriptor output(ends[1]);
   messages_ = hal::FileDescriptor(hal::checked(::memfd_create("ffmpeg", MFD_CLOEXEC), "memory for ffmpeg"));
-  std::vector<char*> pointers;
-  for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
-  pointers.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, output.number(), 0);
-  posix_spawn_file_actions_adddup2(&actions, messages_.number(), 1);
-  posix_spawn_file_actions_adddup2(&actions, messages_.number(), 2);
-  const int error = posix_spawnp(&child_, "ffmpeg", &actions, nullptr, pointers.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
+  const int error = hal::spawn(
+      arguments, {.input = output.number(), .output = messages_.number(), .errors = messages_.number()},
+      child_);
   if (error == 0) return;
   child_ = 0;
   std::error_code ignored;
@@ -127,20 +118,13 @@ void Encoder::start(const std::vector<std::string>& arguments) {
 Encoder::~Encoder() {
   if (child_ == 0) return;
   ::kill(child_, SIGKILL);
-  wait();
+  hal::wait_for_child(child_);
   std::error_code ignored;
   std::filesystem::remove(beside_, ignored);
 }
 
-int Encoder::wait() {
-  int status = 0;
-  while (::waitpid(child_, &status, 0) < 0 && errno == EINTR) {
-  }
-  return status;
-}
-
 int Encoder::wait_patiently() {
-  if (!while_waiting_) return wait();
+  if (!while_waiting_) return hal::wait_for_child(child_);
   int status = 0;
   while (::waitpid(child_, &status, WNOHANG) == 0) {
     while_waiting_();
@@ -151,7 +135,7 @@ int Encoder::wait_patiently() {
 
 void Encoder::fail() {
   input_ = hal::FileDescriptor();
-  wait();
+  hal::wait_for_child(child_);
   child_ = 0;
   std::error_code ignored;
   std::filesystem::remove(beside_, ignored);

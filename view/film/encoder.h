@@ -47,7 +47,6 @@ class Encoder {
   Encoder(const Film& film, const std::filesystem::path& file, const std::vector<std::string>& output);
   void start(const std::vector<std::string>& arguments);
   [[noreturn]] void fail();
-  int wait();
   int wait_patiently();
 
   std::filesystem::path file_;

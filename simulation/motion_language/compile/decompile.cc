@@ -13,6 +13,7 @@
 #include "firmware/motion/instructions.h"
 #include "firmware/motion/motion.h"
 #include "simulation/motion_language/compile/compile.h"
+#include "simulation/motion_language/parse/parse.h"
 #include "simulation/motion_language/parse/parse_settings.h"
 #include "simulation/motion_language/parse/sensors.h"
 
@@ -272,10 +273,17 @@ class Decompiler {
 
 std::string decompile_motion(std::span<const std::byte> image, const NamedModel& robot,
                              const std::string& source) {
+  const std::string expected = "the image of a motion for " + robot.robot;
+  if (!is_motion_image({reinterpret_cast<const char*>(image.data()), image.size()}))
+    throw InputError(source, 0, describe(motion::MotionStatus::kBadMagic), expected);
   motion::Motion motion;
   const motion::MotionVerdict verdict = motion::Motion::open(image, robot.model, motion);
   if (!verdict.ok()) {
-    throw InputError(source, 0, describe(verdict.status), "the image of a motion for " + robot.robot);
+    throw InputError(source, 0, describe(verdict.status), expected);
+  }
+  if (const std::size_t size = motion.image_size_bytes(); size < image.size()) {
+    throw InputError(source, 0, count_text(image.size() - size, "byte") + " behind the end of the image",
+                     "the image alone, of " + count_text(size, "byte"));
   }
   return Decompiler(motion, robot).text();
 }

@@ -253,11 +253,10 @@ class Run {
       X.translation() = a.translation() + share * (b.translation() - a.translation());
       return X;
     };
-    const Vector3d hips_B = 0.5 * (vector_of(legs_[0].p_BH_B) + vector_of(legs_[1].p_BH_B));
     BodyTargets targets;
     targets.support = support_ == 0 ? BodyTargets::Support::kLeft : BodyTargets::Support::kRight;
     targets.feet[1 - support_] = target_of(between(X_SOther(from), X_SOther(to)));
-    const Isometry3d X_Hips(Eigen::Translation3d{hips_B});
+    const Isometry3d X_Hips(Eigen::Translation3d{hip_centre_B(legs_)});
     targets.trunk = target_of(between(X_SB(from) * X_Hips, X_SB(to) * X_Hips));
     targets.trunk.position_m = {std::nullopt, std::nullopt, targets.trunk.position_m[2]};
     targets.com.position_m = {node.com_S.x(), node.com_S.y(), std::nullopt};

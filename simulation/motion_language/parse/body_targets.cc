@@ -168,7 +168,7 @@ class BodySolver {
       X_BSoles[side] = isometry_of(robot::sole_pose(robot_.model, which, X_BLinks));
       legs_ok_ = robot::make_leg_geometry(robot_.model, which, legs_[side]) && legs_ok_;
     }
-    hip_centre_B_ = 0.5 * (vector_of(legs_[0].p_BH_B) + vector_of(legs_[1].p_BH_B));
+    hip_centre_B_ = hip_centre_B(legs_);
     const Isometry3d X_BS = targets_.support == Support::kLeft    ? X_BSoles[0]
                             : targets_.support == Support::kRight ? X_BSoles[1]
                                                                   : midway(X_BSoles[0], X_BSoles[1]);

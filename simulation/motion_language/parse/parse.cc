@@ -1,9 +1,11 @@
 #include "simulation/motion_language/parse/parse.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "base/text/text.h"
+#include "firmware/motion/motion.h"
 #include "simulation/motion_language/parse/codes.h"
 #include "simulation/motion_language/parse/expression.h"
 #include "simulation/motion_language/parse/parse_steps.h"
@@ -149,6 +151,15 @@ class MotionParser {
 
 }  // namespace
 
+bool is_motion_image(std::string_view bytes) {
+  constexpr std::uint32_t kMagic = motion::kMotionMagic;
+  constexpr std::array<char, 4> kBytes{static_cast<char>(kMagic), static_cast<char>(kMagic >> 8),
+                                       static_cast<char>(kMagic >> 16), static_cast<char>(kMagic >> 24)};
+  // The version of the format follows, a byte that no text has.
+  return bytes.size() > 4 && bytes.starts_with(std::string_view(kBytes.data(), kBytes.size())) &&
+         bytes[4] < ' ';
+}
+
 MotionFile read_motion_text(const std::filesystem::path& path, std::string text,
                             std::span<const Override> overrides) {
   Diagnostics diagnostics(path, text);
@@ -156,6 +167,12 @@ MotionFile read_motion_text(const std::filesystem::path& path, std::string text,
     diagnostics.add({.code = code::kYaml,
                      .found = "a file of " + std::to_string(text.size()) + " bytes",
                      .expected = "a motion of at most 1 MiB"});
+    diagnostics.throw_errors();
+  }
+  if (is_motion_image(text)) {
+    diagnostics.add({.code = code::kYaml,
+                     .found = "the image of a motion",
+                     .expected = "a motion file (YAML), which koboshi motion decompile makes of it"});
     diagnostics.throw_errors();
   }
   MotionFile file{.path = path, .text = std::move(text), .tree = {}};

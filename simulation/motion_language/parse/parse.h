@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "base/yaml/yaml_tree.h"
 #include "simulation/model/robot_model.h"
@@ -16,6 +17,9 @@ struct MotionFile {
   std::string text;
   YamlNode tree;
 };
+
+// Returns whether these bytes begin as the image of a motion does.
+[[nodiscard]] bool is_motion_image(std::string_view bytes);
 
 // Reads a motion file of at most 1 MiB. Throws MotionError for anything that is no YAML.
 [[nodiscard]] MotionFile read_motion_file(const std::filesystem::path& file,

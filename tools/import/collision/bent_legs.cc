@@ -185,8 +185,7 @@ class PairCuts {
     ImportedShape& box = boxes_.box(cut.link);
     const double size_m = box.size_m[cut.axis];
     const double centre_m = box.X_LG.translation()[cut.axis];
-    box.size_m[cut.axis] -= cut.depth_m;
-    box.X_LG.translation()[cut.axis] += (cut.at_max ? -0.5 : 0.5) * cut.depth_m;
+    cut_slice(box, cut.axis, cut.at_max, cut.depth_m);
     const double gap = gap_m();
     box.size_m[cut.axis] = size_m;
     box.X_LG.translation()[cut.axis] = centre_m;

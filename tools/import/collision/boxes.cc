@@ -111,6 +111,11 @@ Eigen::AlignedBox3d Boxes::bounds(std::size_t link) const {
   return {centre - 0.5 * box(link).size_m, centre + 0.5 * box(link).size_m};
 }
 
+void cut_slice(ImportedShape& box, int axis, bool at_max, double depth_m) {
+  box.size_m[axis] -= depth_m;
+  box.X_LG.translation()[axis] += (at_max ? -0.5 : 0.5) * depth_m;
+}
+
 BoxCutter::BoxCutter(Boxes& boxes) : boxes_(boxes), robot_(boxes.robot()) {
   for (const ImportedLink& link : robot_.links)
     original_m_.push_back(link.collisions.empty() ? Vector3d::Zero() : link.collisions.front().size_m);
@@ -126,9 +131,10 @@ bool BoxCutter::cut(std::size_t link, int axis, bool at_max, double depth_m) {
   const bool both_ends = axis == 1 && is_own_image(link);
   const double lost_m = both_ends ? 2.0 * depth_m : depth_m;
   if (boxes_.box(link).size_m[axis] - lost_m < kMinShare * original_m_[link][axis]) return false;
-  apply(link, axis, at_max, depth_m);
-  if (both_ends) apply(link, axis, !at_max, depth_m);
-  if (const auto other = mirror_of(robot_, link)) apply(*other, axis, axis == 1 ? !at_max : at_max, depth_m);
+  cut_slice(boxes_.box(link), axis, at_max, depth_m);
+  if (both_ends) cut_slice(boxes_.box(link), axis, !at_max, depth_m);
+  if (const auto other = mirror_of(robot_, link))
+    cut_slice(boxes_.box(*other), axis, axis == 1 ? !at_max : at_max, depth_m);
   return true;
 }
 
@@ -148,12 +154,6 @@ double BoxCutter::smallest_share(std::size_t link) const {
 
 bool BoxCutter::is_own_image(std::size_t link) const {
   return !mirror_of(robot_, link) && std::abs(boxes_.box(link).X_LG.translation().y()) < kCentred_m;
-}
-
-void BoxCutter::apply(std::size_t link, int axis, bool at_max, double depth_m) {
-  ImportedShape& box = boxes_.box(link);
-  box.size_m[axis] -= depth_m;
-  box.X_LG.translation()[axis] += (at_max ? -0.5 : 0.5) * depth_m;
 }
 
 }  // namespace koboshi::tools

@@ -57,6 +57,9 @@ class Boxes {
   std::vector<Eigen::Isometry3d> X_ML_;
 };
 
+// Cuts a slice off a box at one end of an axis; `at_max`: the end of the larger coordinate.
+void cut_slice(ImportedShape& box, int axis, bool at_max, double depth_m);
+
 // Makes boxes smaller, each as its mirror image. Feet keep their soles. No side becomes shorter than a share
 // of what it was at the beginning, below which the box is no image of its link.
 class BoxCutter {
@@ -77,7 +80,6 @@ class BoxCutter {
  private:
   // Whether a box of the middle is its own mirror image; a cut at its left end then is one at its right end.
   bool is_own_image(std::size_t link) const;
-  void apply(std::size_t link, int axis, bool at_max, double depth_m);
 
   Boxes& boxes_;
   ImportedRobot& robot_;

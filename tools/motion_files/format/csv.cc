@@ -8,6 +8,7 @@
 #include "base/text/error.h"
 #include "base/text/text.h"
 #include "base/text/user_units.h"
+#include "tools/motion_files/format/csv_table.h"
 #include "tools/motion_files/format/lines.h"
 #include "tools/motion_files/format/readers.h"
 
@@ -18,17 +19,18 @@ enum class AngleUnit { kUnknown, kRadians, kDegrees };
 
 struct Column {
   std::string name;
+  std::size_t field;  // of a row
   AngleUnit unit = AngleUnit::kUnknown;
 };
 
 bool take_suffix(std::string& name, std::string_view suffix) {
-  if (!name.ends_with(suffix) || name.size() == suffix.size()) return false;
+  if (!lower_case(name).ends_with(suffix) || name.size() == suffix.size()) return false;
   name.resize(name.size() - suffix.size());
   return true;
 }
 
-Column joint_column(std::string_view header) {
-  Column column{.name = one_line(header)};
+Column joint_column(std::string_view header, std::size_t field) {
+  Column column{.name = one_line(header), .field = field};
   if (take_suffix(column.name, "_rad")) column.unit = AngleUnit::kRadians;
   if (column.unit == AngleUnit::kUnknown &&
       (take_suffix(column.name, "_deg") || take_suffix(column.name, "_degrees")))
@@ -36,16 +38,29 @@ Column joint_column(std::string_view header) {
   return column;
 }
 
-char separator_of(std::string_view header) {
-  char best = ',';
-  for (const char separator : {';', '\t'}) {
-    if (std::ranges::count(header, separator) > std::ranges::count(header, best)) best = separator;
+// The columns of joints; a column without a name is none.
+std::vector<Column> joint_columns(const CsvHeader& header) {
+  std::vector<Column> columns;
+  for (std::size_t i = 1; i < header.names.size(); ++i) {
+    if (!header.names[i].empty()) columns.push_back(joint_column(header.names[i], i));
   }
-  return best;
+  return columns;
+}
+
+// Names the first field in a column without a name. Returns whether there is one.
+bool note_nameless(const CsvHeader& header, const std::vector<std::string>& fields, const std::string& place,
+                   ForeignMotion& motion) {
+  for (std::size_t i = 1; i < fields.size(); ++i) {
+    if (fields[i].empty() || (i < header.names.size() && !header.names[i].empty())) continue;
+    motion.notes.push_back({place, "ignored: '" + one_line(fields[i]) + "' in column " +
+                                       std::to_string(i + 1) + ", which has no name, and further ones"});
+    return true;
+  }
+  return false;
 }
 
 // Angles without a unit are in rad unless one is beyond a whole turn.
-void find_units(std::vector<Column>& columns, ForeignMotion& motion) {
+void find_units(std::vector<Column>& columns, std::size_t header_line, ForeignMotion& motion) {
   const auto is_unknown = [](const Column& column) { return column.unit == AngleUnit::kUnknown; };
   if (std::ranges::none_of(columns, is_unknown)) return;
   double largest = 0.0;
@@ -58,65 +73,64 @@ void find_units(std::vector<Column>& columns, ForeignMotion& motion) {
   for (Column& column : columns) {
     if (is_unknown(column)) column.unit = degrees ? AngleUnit::kDegrees : AngleUnit::kRadians;
   }
-  motion.notes.push_back({line_place(1), std::string("angles without a unit are read as ") +
-                                             (degrees ? "degrees" : "rad") +
-                                             "; name the columns JOINT_rad or JOINT_deg to say which"});
+  motion.notes.push_back({line_place(header_line),
+                          std::string("angles without a unit are read as ") + (degrees ? "degrees" : "rad") +
+                              "; name the columns JOINT_rad or JOINT_deg to say which"});
 }
 
 }  // namespace
 
 ForeignMotion read_csv_motion(const std::filesystem::path& file, std::string_view text) {
+  // The table of a motion begins at 0, so that the first row is the end of the first move; a later one has
+  // the clock of a recording.
+  constexpr double kLongestFirst_s = 10.0;
+  const auto header = find_csv_header(text);
+  if (!header) throw InputError(file, 0, "no header of a table", "a time and the names of joints");
   ForeignMotion motion{.format = MotionFormat::kCsv};
-  motion.sections.emplace_back();
-  std::vector<Column> columns;
-  double second = 1.0;
-  char separator = ',';
+  std::vector<ForeignFrame>& frames = motion.sections.emplace_back().frames;
+  std::vector<Column> columns = joint_columns(*header);
+  if (columns.empty())
+    throw InputError(file, static_cast<int>(header->line), "a header without joints",
+                     "a time and the names of joints");
+  for (const Column& column : columns) motion.joints.push_back({.name = column.name});
+  const double second = lower_case(header->names.front()).ends_with("ms") ? 1e-3 : 1.0;
   std::optional<double> last_s;
+  bool nameless_noted = false;
   std::string_view line;
-  for (int number = 1; take_line(text, line); ++number) {
+  for (std::size_t number = 1; take_line(text, line); ++number) {
     line = trimmed(line);
-    const std::string place = line_place(static_cast<std::size_t>(number));
-    if (line.empty() || line.starts_with("//")) continue;
-    if (columns.empty()) {
-      separator = separator_of(line);
-      const auto headers = split(line, separator);
-      if (headers.front().ends_with("ms")) second = 1e-3;
-      for (std::size_t i = 1; i < headers.size(); ++i) {
-        columns.push_back(joint_column(headers[i]));
-        motion.joints.push_back({.name = columns.back().name});
-      }
-      if (columns.empty())
-        throw InputError(file, number, "a header without joints", "a time and the names of joints");
-      continue;
-    }
-    const auto fields = split(line, separator);
-    const auto time = parse_number(fields.front());
+    if (number <= header->lines_above || is_csv_comment(line)) continue;
+    const std::string place = line_place(number);
+    const auto fields = csv_fields(line, header->separator);
+    const auto time = csv_number(fields.front());
     if (!time || std::abs(*time) > 1e7 || (last_s && second * *time < *last_s)) {
       motion.notes.push_back({place, "ignored: '" + one_line(fields.front()) +
                                          (time ? "' is before the time of the line above" : "' is no time")});
       continue;
     }
     const double at_s = second * *time;
+    const bool has_clock = !last_s && (at_s > kLongestFirst_s || at_s < 0.0);
+    if (has_clock)
+      motion.notes.push_back({place, "the motion begins here, at " + number_text(at_s) +
+                                         " s: only a first time from 0 to 10 s is that of the first move"});
+    const double from_s = last_s.value_or(has_clock ? at_s : 0.0);
     ForeignFrame frame{.place = place, .values = std::vector<ForeignValue>(columns.size())};
-    // The table of a motion begins at 0, so that the first row is the end of the first move; a later one has
-    // the clock of a recording.
-    constexpr double kLongestFirst_s = 10.0;
-    const double from_s = last_s.value_or(at_s > kLongestFirst_s || at_s < 0.0 ? at_s : 0.0);
     frame.move_us = std::llround(1e6 * at_s) - std::llround(1e6 * from_s);
-    for (std::size_t i = 0; i < columns.size() && i + 1 < fields.size(); ++i) {
-      if (fields[i + 1].empty() || fields[i + 1] == "*") continue;
-      frame.values[i] = parse_number(fields[i + 1]);
+    for (std::size_t i = 0; i < columns.size() && columns[i].field < fields.size(); ++i) {
+      const std::string& field = fields[columns[i].field];
+      if (field.empty() || field == "*") continue;
+      frame.values[i] = csv_number(field);
       if (!frame.values[i])
         motion.notes.push_back(
-            {place, "ignored: '" + one_line(fields[i + 1]) + "' is no angle of " + columns[i].name});
+            {place, "ignored: '" + one_line(field) + "' is no angle of " + columns[i].name});
     }
+    nameless_noted = nameless_noted || note_nameless(*header, fields, place, motion);
     last_s = at_s;
-    motion.sections.front().frames.push_back(std::move(frame));
+    frames.push_back(std::move(frame));
   }
-  if (motion.sections.front().frames.empty())
-    throw InputError(file, 0, "no line of angles", "a time and angles");
-  find_units(columns, motion);
-  for (ForeignFrame& frame : motion.sections.front().frames) {
+  if (frames.empty()) throw InputError(file, 0, "no line of angles", "a time and angles");
+  find_units(columns, header->line, motion);
+  for (ForeignFrame& frame : frames) {
     for (std::size_t i = 0; i < columns.size(); ++i) {
       if (frame.values[i] && columns[i].unit == AngleUnit::kDegrees) *frame.values[i] *= kRadPerDegree;
     }

@@ -16,6 +16,8 @@ namespace koboshi::tools {
 // Splits at each separator; a separator of ' ' is any number of blanks.
 [[nodiscard]] std::vector<std::string_view> split(std::string_view text, char separator);
 
+// Returns the text with small letters of ASCII.
+[[nodiscard]] std::string lower_case(std::string_view text);
 [[nodiscard]] std::string line_place(std::size_t line);
 
 }  // namespace koboshi::tools

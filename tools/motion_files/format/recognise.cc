@@ -1,9 +1,8 @@
-#include <algorithm>
-#include <array>
 #include <string>
 
 #include "base/text/error.h"
 #include "base/text/text.h"
+#include "tools/motion_files/format/csv_table.h"
 #include "tools/motion_files/format/encoding.h"
 #include "tools/motion_files/format/lines.h"
 #include "tools/motion_files/format/readers.h"
@@ -26,19 +25,6 @@ std::string_view first_line(std::string_view text) {
   return {};
 }
 
-bool is_table(std::string_view header) {
-  for (const char separator : {',', ';', '\t'}) {
-    const auto columns = split(header, separator);
-    if (columns.size() < 2) continue;
-    std::string first(columns.front());
-    std::ranges::transform(first, first.begin(),
-                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-    constexpr std::array<std::string_view, 6> kTimes{"t", "time", "time_s", "time_ms", "t_s", "t_ms"};
-    if (std::ranges::find(kTimes, first) != kTimes.end()) return true;
-  }
-  return false;
-}
-
 std::optional<MotionFormat> recognise_text(std::string_view text) {
   const std::string_view first = first_line(text);
   if (first.starts_with("#WEBOTS_MOTION")) return MotionFormat::kWebots;
@@ -57,8 +43,17 @@ std::optional<MotionFormat> recognise_text(std::string_view text) {
     return std::nullopt;
   }
   if (has(text, "PoseSeq") && has(text, "refs:")) return MotionFormat::kPoseSeq;
-  if (is_table(first)) return MotionFormat::kCsv;
+  if (find_csv_header(text)) return MotionFormat::kCsv;
   return std::nullopt;
+}
+
+// What a file of no known format is, for messages.
+std::string kind_of(std::string_view bytes, std::string_view text) {
+  if (bytes.starts_with("KMOT") && bytes.find('\0') != std::string_view::npos)
+    return "the image of a motion of Koboshi, which koboshi motion decompile reads";
+  if (has("\n" + std::string(text), "\nversion:") && has(text, "\nrobot:") && has(text, "\nsteps:"))
+    return "a motion file of Koboshi, which needs no import";
+  return "a file of no known format";
 }
 
 std::vector<ForeignMotion> read_text_of(MotionFormat format, const std::filesystem::path& file,
@@ -120,7 +115,7 @@ std::vector<ForeignMotion> read_foreign_motions(const std::filesystem::path& fil
   const auto format = recognise_text(decoded.text);
   if (!format)
     throw InputError(
-        file, 0, "a file of no known format",
+        file, 0, kind_of(bytes, decoded.text),
         "a motion of Webots, ROBOTIS (.mtn, .bin, .mtnx), KONDO (.h4p), Choreonoid (.pseq), Bit-Bots or "
         "bold-humanoid (JSON), or a table (CSV)");
   std::vector<ForeignMotion> motions = read_text_of(*format, file, decoded.text);

@@ -33,7 +33,7 @@ struct RoboplusPage {
 };
 
 // Whether these bytes are a file of 256 binary pages, or its beginning: whole pages of 512 bytes, one of
-// which has a right checksum.
+// which has a right checksum, or whose contents are all plausible.
 [[nodiscard]] bool is_roboplus_pages(std::string_view bytes);
 
 // One motion for each page that is not empty: its steps, then those of the pages that follow it.

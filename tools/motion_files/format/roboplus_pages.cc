@@ -9,6 +9,8 @@
 
 #include "base/text/error.h"
 #include "base/text/text.h"
+#include "tools/motion_files/format/encoding.h"
+#include "tools/motion_files/format/lines.h"
 #include "tools/motion_files/format/readers.h"
 #include "tools/motion_files/format/roboplus_page.h"
 
@@ -25,6 +27,8 @@ constexpr std::size_t kNameSize = 13;
 constexpr double kUnit_s =
     0.008;  // of pause and time; nominally 1/128 s, but the players count cycles of 8 ms
 constexpr int kScheduleByTime = 0x0A;
+constexpr int kScheduleBySpeed = 0;
+constexpr int kLargestPosition = 4095;
 
 int byte_at(std::string_view bytes, std::size_t offset) { return static_cast<unsigned char>(bytes[offset]); }
 
@@ -40,18 +44,68 @@ bool has_right_sum(std::string_view page) {
   return (sum & 0xFFu) == 0xFFu;
 }
 
-std::string page_name(std::string_view page) {
-  std::string_view name = page.substr(0, kNameSize);
-  name = name.substr(0, std::min(name.find('\0'), name.size()));
-  return one_line(trimmed_name(name));
+// A page that has steps.
+bool has_steps(std::string_view page) { return byte_at(page, 20) > 0; }
+
+// Whether a used page can be one although its checksum is wrong: all that has few right values has one of
+// them, and at least one servo moves.
+bool is_plausible(std::string_view page) {
+  const int steps = byte_at(page, 20);
+  const int schedule = byte_at(page, 16);
+  if (steps > static_cast<int>(kMostSteps) || !has_name(page)) return false;
+  if (schedule != kScheduleByTime && schedule != kScheduleBySpeed) return false;
+  bool moves = false;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(steps) * kPageServos; ++i) {
+    const std::size_t at = kHeaderSize + i / kPageServos * kStepSize + 2 * (i % kPageServos);
+    const int position = byte_at(page, at) | byte_at(page, at + 1) << 8;
+    constexpr int kFlags = RoboplusStep::kNotUsed | RoboplusStep::kTorqueOff;
+    if ((position & ~kFlags) > kLargestPosition) return false;
+    moves = moves || (position != 0 && (position & kFlags) == 0);
+  }
+  return moves;
 }
 
-RoboplusPage read_page(std::string_view bytes, int number, std::vector<ForeignNote>& notes) {
+std::vector<std::string_view> pages_in(std::string_view bytes) {
+  std::vector<std::string_view> pages;
+  for (; bytes.size() >= kPageSize; bytes = bytes.substr(kPageSize))
+    pages.push_back(bytes.substr(0, kPageSize));
+  return pages;
+}
+
+std::string_view raw_name(std::string_view page) {
+  const std::string_view name = page.substr(0, kNameSize);
+  return name.substr(0, std::min(name.find('\0'), name.size()));
+}
+
+// The names of the pages, in the one encoding that has all of them (encoding.h), so that a short name is read
+// as the others are. The field may cut the last letter in two.
+std::vector<std::string> page_names(const std::vector<std::string_view>& pages,
+                                    std::vector<ForeignNote>& notes) {
+  std::string whole, cut;
+  for (const std::string_view page : pages) {
+    const std::string_view name = has_steps(page) ? raw_name(page) : std::string_view();
+    const bool half = name.size() == kNameSize && find_invalid_utf8(name) != std::string_view::npos &&
+                      decode_text(name).encoding.empty();
+    whole.append(name).append("\n");
+    cut.append(name.substr(0, name.size() - (half ? 1 : 0))).append("\n");
+  }
+  DecodedText decoded = decode_text(whole);
+  if (find_invalid_utf8(decoded.text) != std::string_view::npos) decoded = decode_text(cut);
+  if (!decoded.encoding.empty()) notes.push_back({"names of pages", "are read as " + decoded.encoding});
+  std::vector<std::string> names;
+  std::string_view text = decoded.text;
+  std::string_view line;
+  while (names.size() < pages.size() && take_line(text, line)) names.push_back(one_line(trimmed_name(line)));
+  names.resize(pages.size());
+  return names;
+}
+
+RoboplusPage read_page(std::string_view bytes, int number, const std::string& name,
+                       std::vector<ForeignNote>& notes) {
   const std::string place = "page " + std::to_string(number);
-  RoboplusPage page{.number = number, .name = page_name(bytes)};
+  RoboplusPage page{.number = number, .name = name};
   const int steps = byte_at(bytes, 20);
   if (steps == 0) return page;
-  if (!has_right_sum(bytes)) notes.push_back({place, "its checksum is wrong; it is read all the same"});
   if (steps > static_cast<int>(kMostSteps))
     notes.push_back({place, "says that it has " + std::to_string(steps) + " steps; a page has room for 7"});
   page.repeat = byte_at(bytes, 15);
@@ -78,20 +132,31 @@ bool is_roboplus_pages(std::string_view bytes) {
   if (bytes.size() < kPageSize || bytes.size() > kMostPages * kPageSize) return false;
   // Text has no zeros; a page has many.
   if (bytes.substr(0, kPageSize).find('\0') == std::string_view::npos) return false;
-  for (std::size_t first = 0; first + kPageSize <= bytes.size(); first += kPageSize) {
-    const std::string_view page = bytes.substr(first, kPageSize);
-    const int steps = byte_at(page, 20);
-    if (steps > 0 && steps <= static_cast<int>(kMostSteps) && has_right_sum(page) && has_name(page))
-      return true;
-  }
-  return false;
+  std::vector<std::string_view> used = pages_in(bytes);
+  std::erase_if(used, [](std::string_view page) { return !has_steps(page); });
+  const auto is_right = [](std::string_view page) {
+    return byte_at(page, 20) <= static_cast<int>(kMostSteps) && has_right_sum(page) && has_name(page);
+  };
+  // Programs of others leave the checksums out.
+  return std::ranges::any_of(used, is_right) || (!used.empty() && std::ranges::all_of(used, is_plausible));
 }
 
 std::vector<ForeignMotion> read_roboplus_pages(const std::filesystem::path& file, std::string_view bytes) {
-  std::vector<RoboplusPage> pages;
+  const std::vector<std::string_view> found = pages_in(bytes);
   std::vector<ForeignNote> notes;
-  for (std::size_t i = 0; (i + 1) * kPageSize <= bytes.size(); ++i)
-    pages.push_back(read_page(bytes.substr(i * kPageSize, kPageSize), static_cast<int>(i), notes));
+  const std::vector<std::string> names = page_names(found, notes);
+  std::vector<std::size_t> wrong;
+  std::vector<RoboplusPage> pages;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    pages.push_back(read_page(found[i], static_cast<int>(i), names[i], notes));
+    if (has_steps(found[i]) && !has_right_sum(found[i])) wrong.push_back(i);
+  }
+  if (wrong.size() > 1 && wrong.size() == static_cast<std::size_t>(std::ranges::count_if(found, has_steps))) {
+    notes.push_back({"pages", "all their checksums are wrong; they are read all the same"});
+  } else {
+    for (const std::size_t page : wrong)
+      notes.push_back({"page " + std::to_string(page), "its checksum is wrong; it is read all the same"});
+  }
   if (bytes.size() % kPageSize != 0)
     notes.push_back({"end", "the last " + std::to_string(bytes.size() % kPageSize) +
                                 " bytes are no whole page, and ignored"});

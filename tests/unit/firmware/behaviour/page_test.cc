@@ -13,17 +13,17 @@
 namespace koboshi::behaviour {
 namespace {
 
-constexpr std::string_view kEventNames[] = {"ready",          "enable",
-                                            "limp",           "play",
-                                            "walk",           "stream",
-                                            "pushed",         "reset",
-                                            "emergency stop", "enabled",
-                                            "get up",         "ended",
-                                            "low battery",    "sit down",
-                                            "fall",           "down",
-                                            "still",          "prone or supine",
-                                            "on side",        "upright",
-                                            "steady",         "recovery step failed",
+constexpr std::string_view kEventNames[] = {"ready",       "enable",
+                                            "limp",        "play",
+                                            "walk",        "stream",
+                                            "reset",       "emergency stop",
+                                            "enabled",     "get up",
+                                            "ended",       "pushed",
+                                            "low battery", "sit down",
+                                            "fall",        "down",
+                                            "still",       "prone or supine",
+                                            "on side",     "upright",
+                                            "steady",      "recovery step failed",
                                             "failure"};
 static_assert(std::size(kEventNames) == static_cast<std::size_t>(Event::kFailure) + 1);
 

@@ -30,10 +30,12 @@ class MotionTest : public testing::Test {
     builder.pose(3, 60).pose(18, 30);
     return builder;
   }
-  MotionStatus of_steps(const std::vector<Step>& steps) {
+  MotionStatus of_steps(const std::vector<Step>& steps) { return verdict_of(steps).status; }
+  MotionVerdict verdict_of(const std::vector<Step>& steps) {
     MotionBuilder with_steps = builder();
+    with_steps.variable_count = 1;
     with_steps.steps = steps;
-    return status(with_steps);
+    return open(with_steps.image());
   }
 
   const robot::RobotModel model_ = test::load_test_robot();
@@ -334,6 +336,29 @@ TEST_F(MotionTest, RejectsACycleOfZeroDurationOnEitherWayOfABranch) {
   EXPECT_EQ(of_steps({Condition{}.await(0, 30'000), test, kEndStep}), kOk);  // its time-out takes time
   EXPECT_EQ(of_steps({{kCall, 3}, jump(0), kEndStep, {kReturn}}), kTakesNoTime);
   EXPECT_EQ(of_steps({{kCall, 3}, jump(0), kEndStep, kWaitStep, {kReturn}}), kOk);
+}
+
+// The steps that lead to the cycle are not to blame.
+TEST_F(MotionTest, NamesTheFirstStepOfTheCycleOfZeroDuration) {
+  const auto place_of = [&](const std::vector<Step>& steps) {
+    const MotionVerdict verdict = verdict_of(steps);
+    EXPECT_EQ(verdict.status, kTakesNoTime);
+    return verdict.index;
+  };
+  const Step set = Assignment{}.step();
+  const Step test = motion::Test{{Source::kTime}, Comparison::kGreater, false, 5}.step();
+  EXPECT_EQ(place_of({jump(0), kEndStep}), 0);
+  EXPECT_EQ(place_of({set, set, jump(2), kEndStep}), 2);
+  EXPECT_EQ(place_of({set, kWaitStep, set, jump(4), set, jump(4), kEndStep}), 4);
+  EXPECT_EQ(place_of({jump(3), set, jump(1), set, jump(1), kEndStep}), 1);
+  EXPECT_EQ(place_of({set, loop(2), loop_end(1), kEndStep}), 1);
+  EXPECT_EQ(place_of({set, loop(0), set, set, loop_end(1), kEndStep}), 1);
+  EXPECT_EQ(place_of({loop(0), set, loop(2), set, loop_end(2), kWaitStep, loop_end(0), kEndStep}), 2);
+  EXPECT_EQ(place_of({set, Condition{}.branch(5), test, kWaitStep, kEndStep, set, jump(5)}), 5);
+  EXPECT_EQ(place_of({set, Condition{}.branch(4), test, jump(1), kWaitStep, kEndStep}), 1);
+  EXPECT_EQ(place_of({set, Condition{}.await(kNoStep, 30'000), test, jump(1), kEndStep}), 1);
+  EXPECT_EQ(place_of({set, {kCall, 6}, set, {kCall, 6}, jump(3), kEndStep, set, {kReturn}}), 3);
+  EXPECT_EQ(place_of({set, {kCall, 3}, kEndStep, set, jump(4), {kReturn}}), 4);
 }
 
 }  // namespace

@@ -49,6 +49,34 @@ TEST(Decompile, RefusesWhatIsNoImage) {
   EXPECT_THROW(static_cast<void>(decompile_motion(nothing, koboshi_model(), "x.kmot")), InputError);
 }
 
+TEST(Decompile, SaysOfOtherFilesThatTheyAreNoImage) {
+  for (const std::string_view text :
+       {"", "hello", "KMOT", "version: 2\nrobot: koboshi\nname: a\nsteps: [end]\n"}) {
+    try {
+      static_cast<void>(decompile_motion(std::as_bytes(std::span(text)), koboshi_model(), "x"));
+      FAIL() << text;
+    } catch (const InputError& error) {
+      EXPECT_STREQ(error.what(),
+                   "x: found something that is no motion image, expected the image of a motion for koboshi");
+    }
+  }
+}
+
+TEST(Decompile, RefusesBytesBehindTheImage) {
+  std::vector<std::byte> image =
+      compile_text("version: 2\nrobot: koboshi\nname: a\nsteps: [{wait_s: 1}]\n").motion.image;
+  const std::string size = std::to_string(image.size());
+  image.emplace_back();
+  try {
+    static_cast<void>(decompile_motion(image, koboshi_model(), "x.kmot"));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(
+        std::string(error.what()),
+        "x.kmot: found 1 byte behind the end of the image, expected the image alone, of " + size + " bytes");
+  }
+}
+
 // --- Robustness: a short form of the fuzzing under the sanitizers; KOBOSHI_MUTATIONS=100000 runs the long
 // one.
 

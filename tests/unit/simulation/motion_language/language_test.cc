@@ -377,7 +377,27 @@ INSTANTIATE_TEST_SUITE_P(
                   "6:15", "more than 16 variables"},
         BadMotion{"M040", "steps: [{pose: straight, time_s: 1}, {pose: bend, time_s: 0.01}]\n", "5:38",
                   "degrees/s"},
-        BadMotion{"M042", "steps: [{label: a}, {jump: a}]\n", "5:21", "in which no time passes"}));
+        BadMotion{"M042", "steps: [{label: a}, {jump: a}]\n", "5:21", "in which no time passes"},
+        BadMotion{
+            "M042",
+            "variables: {x: 0}\nsteps:\n  - {set: {x: 1}}\n  - loop: {times: 3, steps: [{set: {x: 2}}]}\n",
+            "8:5", "in which no time passes"}));
+
+TEST(MotionDiagnostics, OfAnImageIsOneLine) {
+  const std::vector<std::byte> image =
+      compile_text("version: 2\nrobot: koboshi\nname: a\nsteps: [{wait_s: 1}]\n").motion.image;
+  try {
+    static_cast<void>(
+        read_motion_text("a.kmot", std::string(reinterpret_cast<const char*>(image.data()), image.size())));
+    FAIL();
+  } catch (const MotionError& error) {
+    EXPECT_STREQ(error.what(),
+                 "a.kmot: found the image of a motion, expected a motion file (YAML), which koboshi "
+                 "motion decompile makes of it");
+  }
+  // Text is text, whatever its first word.
+  EXPECT_FALSE(is_motion_image("KMOT: 1"));
+}
 
 TEST(MotionDiagnostics, OfVersions) {
   EXPECT_EQ(compile_text("version: 3\nrobot: koboshi\nname: a\nsteps: [end]\n").codes(), "M007");

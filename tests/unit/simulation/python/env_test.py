@@ -76,6 +76,27 @@ class Balance(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "render_mode"):
             short(render_mode="human")
 
+    def test_refuses_numbers_that_no_episode_has(self):
+        for milliseconds in (7, 0, -10, 15, 10.5, 10_010, float("nan"), float("inf"), np.int64(3)):
+            text = f"found milliseconds={milliseconds}, expected a multiple of 10 from 10 to 10000"
+            for make in (short, lambda **arguments: koboshi_env.BalanceVectorEnv(2, **arguments)):
+                with self.subTest(text), self.assertRaises(ValueError) as raised:
+                    make(milliseconds=milliseconds)
+                self.assertEqual(str(raised.exception), text)
+        for name in ("episode_s", "push_every_s", "lost_rad"):
+            for value in (0, -1.0, float("nan"), float("inf")):
+                with self.subTest(name), self.assertRaisesRegex(ValueError, f"^found {name}={value}, expected a number above 0$"):
+                    koboshi_env.BalanceEnv(**{name: value})
+        for name in ("action_rad", "push_N_s"):
+            with self.subTest(name), self.assertRaisesRegex(ValueError, f"^found {name}=-1, expected a number of 0 or more$"):
+                koboshi_env.BalanceEnv(**{name: -1})
+
+    def test_takes_steps_of_numpy_integers(self):
+        env = koboshi_env.BalanceEnv(milliseconds=np.int64(20), episode_s=0.1)
+        env.reset(seed=1)
+        ends = [env.step(np.zeros(env.action_space.shape))[3] for _ in range(5)]
+        self.assertEqual(ends, [False] * 4 + [True])
+
 
 class Vector(unittest.TestCase):
     def test_steps_robots_as_the_single_environment_does(self):

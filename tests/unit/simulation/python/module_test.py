@@ -103,8 +103,10 @@ class Simulation(unittest.TestCase):
         self.assertAlmostEqual(sim.time_s, 0.03)
         sim.step(40)
         self.assertEqual(sim.state_hash, first)
+        with self.assertRaisesRegex(RuntimeError, "^found a snapshot of another simulation, expected one that this simulation has made$"):
+            go(seed=1).restore(snapshot)
         sim.reset()
-        with self.assertRaisesRegex(RuntimeError, "another simulation"):
+        with self.assertRaisesRegex(RuntimeError, "^found a snapshot from before the last reset of this simulation, expected one from after it$"):
             sim.restore(snapshot)
 
     def test_takes_numpy_numbers_and_names_what_it_does_not_take(self):
@@ -113,8 +115,12 @@ class Simulation(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "found <class 'object'>, expected numbers"):
             sim.command("walk", forward_m_per_s=object())
         for bad in (np.ones((4, 3)), None):
-            with self.assertRaisesRegex(ValueError, "expected a list of numbers"):
+            with self.assertRaisesRegex(ValueError, "expected a list of numbers") as raised:
                 sim.push(bad, 0.1)
+            self.assertNotIn("\n", str(raised.exception))
+        with self.assertRaises(ValueError) as raised:
+            sim.push(np.array([[1.0, 2.0], [3.0, 4.0]]), 0.1)
+        self.assertEqual(str(raised.exception), "found array([[1., 2.], [3., 4.]]), expected a list of numbers")
         sims = koboshi.Simulations(GO, range(2), stepper="lumped")
         with self.assertRaisesRegex(IndexError, "found world 9, expected one of 2"):
             sims.push([0, 1, 0], 0.1, world=9)
@@ -373,8 +379,10 @@ class Robot(unittest.TestCase):
         np.testing.assert_array_equal(robot.observation(), first)
         np.testing.assert_array_equal(robot.step(np.zeros(len(robot.joint_names)), 300), after)
         np.testing.assert_array_equal(robot.reset(), first)
+        with self.assertRaisesRegex(RuntimeError, "^found a snapshot of another robot, expected one that this robot has made$"):
+            koboshi.Robot(seed=5, stepper="lumped", world="rough").restore(snapshot)
         self.assertTrue((robot.reset(6) != first).any())
-        with self.assertRaises(RuntimeError):
+        with self.assertRaisesRegex(RuntimeError, "^found a snapshot from before the last reset of this robot, expected one from after it$"):
             robot.restore(snapshot)
 
     def test_refuses_bad_actions(self):

@@ -64,6 +64,19 @@ TEST_F(ConvertTest, WritesAMotionOfTheMotionLanguage) {
       << converted.report.front();
 }
 
+TEST_F(ConvertTest, NamesAMotionWithoutAsciiByItsFile) {
+  ForeignMotion motion{
+      .format = MotionFormat::kRoboplusPages,
+      .name = "\xE6\xAD\xA9\xE3\x81\x8F",
+      .joints = {{.name = "left_knee"}},
+      .sections = {{.frames = {{.place = "step 1", .move_us = 1'000'000, .values = {0.5}}}}}};
+  const auto text_of = [&](const char* file) {
+    return convert_motion(file, motion, find_joints(file, motion, robot), model, {}).text;
+  };
+  EXPECT_NE(text_of("walk.bin").find("\nname: \"walk\"\n"), std::string::npos) << text_of("walk.bin");
+  EXPECT_NE(text_of("\xE6\xAD\xA9.bin").find("\nname: \"imported\"\n"), std::string::npos);
+}
+
 TEST_F(ConvertTest, RefusesAMotionThatMovesNothing) {
   try {
     static_cast<void>(convert("#WEBOTS_MOTION,V1.0,left_knee\n00:00:000,a,*\n00:01:000,b,*\n"));

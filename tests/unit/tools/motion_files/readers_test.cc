@@ -4,8 +4,10 @@
 
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "base/text/error.h"
+#include "base/text/text.h"
 
 namespace koboshi::tools {
 namespace {
@@ -107,11 +109,109 @@ TEST(Csv, ReadsUnitsFromHeadersOrFromTheValues) {
   EXPECT_EQ(stated.sections[0].frames[1].values[1], 2.0);
   EXPECT_EQ(stated.sections[0].frames[1].move_us, 250'000);
   EXPECT_TRUE(stated.notes.empty());
-  const ForeignMotion degrees = read_one("t;knee\n0;90\n0,5;45\n1.5;45\n");
+  const ForeignMotion degrees = read_one("t;knee\n0;90\nx;45\n1.5;45\n");
   EXPECT_NEAR(*degrees.sections[0].frames[0].values[0], 90 * kDegreeInRad, 1e-12);
-  EXPECT_NE(notes_of(degrees).find("'0,5' is no time"), std::string::npos) << notes_of(degrees);
+  EXPECT_NE(notes_of(degrees).find("'x' is no time"), std::string::npos) << notes_of(degrees);
   EXPECT_NE(notes_of(degrees).find("read as degrees"), std::string::npos);
   EXPECT_NE(notes_of(read_one("t,knee\n0,1.5\n")).find("read as rad"), std::string::npos);
+}
+
+// What spreadsheets write where the comma separates decimals.
+TEST(Csv, ReadsDecimalCommasAndTheLineOfTheSeparator) {
+  for (const std::string file : {"time;knee_rad;hip_rad\n0;0;0\n0,5;-1,25;+1e-1\n",
+                                 "sep=;\ntime;knee_rad;hip_rad\n0;0;0\n0,5;-1,25;0,1\n",
+                                 "\"sep=;\"\nTIME;KNEE_RAD;hip_rad\n0;0;0\n0.5;-1.25;0.1\n",
+                                 "time\tknee_rad\thip_rad\n0\t0\t0\n0,5\t-1,25\t,1\n",
+                                 "sep=\t\ntime\tknee_rad\thip_rad\n0\t0\t0\n0,5\t-1,25\t0,1\n",
+                                 "time,knee_rad,hip_rad\n0,0,0\n\"0,5\",\"-1,25\",\"0,1\"\n"}) {
+    const ForeignMotion motion = read_one(file);
+    ASSERT_EQ(motion.joints.size(), 2u) << file;
+    const auto& frames = motion.sections[0].frames;
+    ASSERT_EQ(frames.size(), 2u) << file;
+    EXPECT_EQ(frames[1].move_us, 500'000) << file;
+    EXPECT_EQ(frames[1].values, (std::vector<ForeignValue>{-1.25, 0.1})) << file;
+    EXPECT_EQ(notes_of(motion), "") << file;
+  }
+  // Marks of thousands are not guessed.
+  const ForeignMotion thousands = read_one("t;knee_deg\n0;1.234,5\n1;1,234,5\n2;1\n");
+  EXPECT_EQ(
+      notes_of(thousands),
+      "line 2: ignored: '1.234,5' is no angle of knee\nline 3: ignored: '1,234,5' is no angle of knee\n");
+}
+
+TEST(Csv, ReadsUtf16WithItsMark) {
+  for (const bool little : {true, false}) {
+    std::string bytes;
+    for (const char c : std::string_view("\xFF"
+                                         "sep=;\r\n\"time\";\"knee_rad\"\r\n0,5;1,5\r\n")) {
+      const char high = c == '\xFF' ? '\xFE' : '\0';
+      bytes += little ? std::string{c, high} : std::string{high, c};
+    }
+    const ForeignMotion motion = read_one(bytes);
+    EXPECT_EQ(motion.joints.at(0).name, "knee");
+    EXPECT_EQ(motion.sections[0].frames.at(0).values, (std::vector<ForeignValue>{1.5}));
+    EXPECT_EQ(motion.sections[0].frames[0].move_us, 500'000);
+    EXPECT_EQ(notes_of(motion), "text: is read as UTF-16\n");
+  }
+}
+
+TEST(Csv, SkipsCommentsAboveTheHeaderAndBetweenRows) {
+  const ForeignMotion motion =
+      read_one("# recorded by hand\n// twice\n\ntime,knee\n# start\n0,0\n#1,5\n1,0.5\n");
+  ASSERT_EQ(motion.sections[0].frames.size(), 2u);
+  EXPECT_EQ(motion.sections[0].frames[1].place, "line 8");
+  EXPECT_EQ(notes_of(motion),
+            "line 4: angles without a unit are read as rad; name the columns JOINT_rad or JOINT_deg to say "
+            "which\n");
+  // numpy.savetxt writes the header as a comment.
+  const ForeignMotion commented = read_one("# angles\n# time_ms,knee_rad\n# data\n0,0\n500,0.5\n");
+  EXPECT_EQ(commented.joints.at(0).name, "knee");
+  ASSERT_EQ(commented.sections[0].frames.size(), 2u);
+  EXPECT_EQ(commented.sections[0].frames[1].move_us, 500'000);
+  EXPECT_EQ(notes_of(commented), "");
+  // But a comment does not make a table of other text.
+  EXPECT_EQ(recognise("# time,knee\nversion: 2\n"), std::nullopt);
+  EXPECT_EQ(recognise("# time,knee\n"), std::nullopt);
+}
+
+TEST(Csv, ReadsQuotedHeadersAndFields) {
+  const ForeignMotion motion = read_one(
+      "\"time_ms\", \"left, knee_deg\" ,\"the \"\"hip\"\"_rad\"\n\"0\",\"90\",1\n\"250\",\" 45 \",\"2\n");
+  ASSERT_EQ(motion.joints.size(), 2u);
+  EXPECT_EQ(motion.joints[0].name, "left, knee");
+  EXPECT_EQ(motion.joints[1].name, "the \"hip\"");
+  const auto& frames = motion.sections[0].frames;
+  EXPECT_EQ(frames.at(1).move_us, 250'000);
+  EXPECT_NEAR(frames[1].values[0].value(), 45 * kDegreeInRad, 1e-12);
+  EXPECT_EQ(frames[1].values[1], 2.0);
+  EXPECT_EQ(notes_of(motion), "");
+}
+
+TEST(Csv, LeavesOutColumnsWithoutAName) {
+  const ForeignMotion empty = read_one("time,knee_rad,hip_rad,\n0,0,0,\n1,1,2,\n");
+  ASSERT_EQ(empty.joints.size(), 2u);
+  EXPECT_EQ(empty.sections[0].frames[1].values, (std::vector<ForeignValue>{1.0, 2.0}));
+  EXPECT_EQ(notes_of(empty), "");
+  const ForeignMotion filled = read_one("time,knee_rad,,hip_rad\n0,0,,0\n1,1,7,2,9\n2,1,8,2,9\n");
+  ASSERT_EQ(filled.joints.size(), 2u);
+  EXPECT_EQ(filled.sections[0].frames[1].values, (std::vector<ForeignValue>{1.0, 2.0}));
+  EXPECT_EQ(notes_of(filled), "line 3: ignored: '7' in column 3, which has no name, and further ones\n");
+  EXPECT_EQ(message_of("\n# none\ntime,,\n0,1,2\n"),
+            "file:3: found a header without joints, expected a time and the names of joints");
+}
+
+TEST(Csv, SaysThatTheClockOfARecordingIsLeftOut) {
+  const ForeignMotion late = read_one("time_s,knee_rad\n1200.5,0\n1201,1\n");
+  EXPECT_EQ(late.sections[0].frames.at(0).move_us, 0);
+  EXPECT_EQ(late.sections[0].frames.at(1).move_us, 500'000);
+  EXPECT_EQ(notes_of(late),
+            "line 2: the motion begins here, at 1200.5 s: only a first time from 0 to 10 s is that of the "
+            "first move\n");
+  EXPECT_NE(notes_of(read_one("time_s,knee_rad\n-1,0\n1,1\n")).find("begins here, at -1 s"),
+            std::string::npos);
+  const ForeignMotion first_move = read_one("time_s,knee_rad\n10,0\n11,1\n");
+  EXPECT_EQ(first_move.sections[0].frames.at(0).move_us, 10'000'000);
+  EXPECT_EQ(notes_of(first_move), "");
 }
 
 TEST(BitBots, HasDurationsPausesAndTorques) {
@@ -235,6 +335,63 @@ TEST(RoboplusPages, HaveTimesUnusedServosAndChecksums) {
             "page, and ignored\n");
 }
 
+// Changes the checksum of each page that has steps.
+std::string with_wrong_sums(std::string file) {
+  for (std::size_t page = 0; page < file.size() / 512; ++page) {
+    if (file[512 * page + 20] != 0) file[512 * page + 31] = static_cast<char>(file[512 * page + 31] + 1);
+  }
+  return file;
+}
+
+TEST(RoboplusPages, AreReadWithAllChecksumsWrongIfTheRestIsPlausible) {
+  const auto page = [](const std::string& name) {
+    return Page(name, 1).step(0, 1, 2048).step(0, 2, 0x4000).step(0, 3, 0x2000).times(0, 0, 125);
+  };
+  const std::string unused(512, '\0');
+  const auto two =
+      read_foreign_motions("file", with_wrong_sums(unused + page("a").bytes() + page("b").bytes() + unused));
+  ASSERT_EQ(two.size(), 2u);
+  for (const ForeignMotion& motion : two)
+    EXPECT_EQ(notes_of(motion), "pages: all their checksums are wrong; they are read all the same\n");
+  EXPECT_EQ(two[1].sections[0].frames.at(0).values.at(1), 2048.0);
+  EXPECT_EQ(notes_of(read_one(with_wrong_sums(unused + page("a").bytes()))),
+            "page 1: its checksum is wrong; it is read all the same\n");
+  EXPECT_EQ(recognise(with_wrong_sums(page("a").set(16, 0).bytes())), MotionFormat::kRoboplusPages);
+  // One value that no page has, or no servo that moves, is enough to take it for something else.
+  for (Page& other :
+       std::vector{page("a").set(20, 8), page("a").set(16, 1), page("a\x01"), page("a").step(0, 5, 4096),
+                   page("a").step(0, 5, 0x8000), page("a").step(0, 1, 0x4000), page("a").step(0, 1, 0)}) {
+    EXPECT_EQ(recognise(with_wrong_sums(other.bytes())), std::nullopt);
+    EXPECT_EQ(recognise(with_wrong_sums(page("b").bytes() + other.bytes())), std::nullopt);
+  }
+  // But beside a right page it is one.
+  EXPECT_EQ(recognise(page("b").bytes() + with_wrong_sums(page("a").step(0, 5, 4096).bytes())),
+            MotionFormat::kRoboplusPages);
+}
+
+TEST(RoboplusPages, HaveNamesInOneEncoding) {
+  const auto page = [](const std::string& name) {
+    return Page(name, 1).step(0, 1, 5).times(0, 0, 1).bytes();
+  };
+  // "bow" and "walk" in Shift-JIS. The first could be EUC-KR by itself.
+  const auto japanese =
+      read_foreign_motions("file", page("\xE7\xE7") + page("\x95\xE0\x82\xAD") + page("bow"));
+  ASSERT_EQ(japanese.size(), 3u);
+  EXPECT_EQ(japanese[1].name, "\xE6\xAD\xA9\xE3\x81\x8F");
+  EXPECT_EQ(japanese[2].name, "bow");
+  EXPECT_EQ(find_invalid_utf8(japanese[0].name), std::string::npos);
+  EXPECT_EQ(notes_of(japanese[1]), "names of pages: are read as CP932\n");
+  const auto korean = read_foreign_motions("file", page("\xC0\xCE\xBB\xE7"));
+  EXPECT_EQ(korean.at(0).name, "\xEC\x9D\xB8\xEC\x82\xAC");
+  // The field of 13 bytes cuts the seventh letter.
+  const auto cut = read_foreign_motions("file", page("\x95\xE0\x95\xE0\x95\xE0\x95\xE0\x95\xE0\x95\xE0\x95"));
+  EXPECT_EQ(cut.at(0).name.size(), 18u);
+  EXPECT_EQ(cut[0].name.substr(0, 3), "\xE6\xAD\xA9");
+  // Of no encoding.
+  EXPECT_EQ(read_foreign_motions("file", page("a\xFF\xFF")).at(0).name, "a\\xFF\\xFF");
+  EXPECT_TRUE(read_foreign_motions("file", page("bow")).at(0).notes.empty());
+}
+
 TEST(RoboplusPages, MoveBySpeedWhereTheScheduleSaysSo) {
   Page page("fast", 2);
   page.set(16, 0).step(0, 1, 0).step(1, 1, 512).times(0, 0, 64).times(1, 0, 64);
@@ -253,6 +410,18 @@ TEST(RoboplusPages, EndWhereAPageFollowsThatWasPlayed) {
   EXPECT_TRUE(motions[0].notes.empty());
   EXPECT_EQ(motions[2].sections.size(), 1u);
   EXPECT_NE(notes_of(motions[2]).find("for ever"), std::string::npos);
+}
+
+TEST(ForeignMotions, NameTheFormatsAndWhatTheFileIs) {
+  const std::string expected =
+      ", expected a motion of Webots, ROBOTIS (.mtn, .bin, .mtnx), KONDO (.h4p), Choreonoid (.pseq), "
+      "Bit-Bots or "
+      "bold-humanoid (JSON), or a table (CSV)";
+  EXPECT_EQ(message_of(std::string("KMOT\x02\0\0\0\x20\0\0\0", 12)),
+            "file: found the image of a motion of Koboshi, which koboshi motion decompile reads" + expected);
+  EXPECT_EQ(message_of("# bow\nversion: 2\nrobot: koboshi\nname: bow\nsteps: []\n"),
+            "file: found a motion file of Koboshi, which needs no import" + expected);
+  EXPECT_EQ(message_of("hello"), "file: found a file of no known format" + expected);
 }
 
 TEST(ForeignMotions, RefuseWhatIsNone) {
