@@ -177,7 +177,7 @@ AbortCode Node::configure_rpdo(std::size_t number, const PdoConfiguration& confi
 AbortCode Node::configure_tpdo(std::size_t number, const PdoConfiguration& configuration) {
   if (number >= tpdos_.size()) return AbortCode::kObjectDoesNotExist;
   const AbortCode configured = tpdos_[number].record.configure(configuration, node_id_, dictionary_);
-  tpdos_.on_changed(number);
+  tpdos_.on_configured(number);
   return configured;
 }
 
