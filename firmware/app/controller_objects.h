@@ -468,7 +468,10 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
     {OBJECT(kStreamObject, 2, stream.taken_sets, kReadOnly, kTpdo),
      {.name = "Taken sets", .comment = "Since power-on; saturates."}},
     {OBJECT(kStreamObject, 3, stream.missing_sets, kReadOnly, kTpdo),
-     {.name = "Missing sets", .comment = "Gaps in the sequence, since power-on; saturates."}},
+     {.name = "Missing sets",
+      .comment =
+          "Gaps in the sequence, since power-on; saturates. A counter that is repeated, or late by up to 10 "
+          "sets, counts none."}},
     canopen::heading(kStreamTargetObject, "Streamed targets",
                      "By joint. A stream begins with the present targets. Limits and highest speed of the "
                      "joint bound them."),

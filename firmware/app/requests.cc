@@ -6,6 +6,7 @@
 
 #include "firmware/fixed/rounding.h"
 #include "firmware/fixed/saturating.h"
+#include "hal/port/period.h"
 
 namespace koboshi::app {
 
@@ -17,6 +18,9 @@ namespace {
 
 // Angles of the stream's objects have 16 fraction bits.
 constexpr std::int32_t kStreamUnit_raw = 1 << (fixed::Angle::kFractionBits - 16);
+// A counter that lies so far behind the highest one is that of a late set. One further behind has skipped
+// sets and wrapped, or begins anew: no set is later than the stream's deadline after a reset.
+constexpr std::uint8_t kMaxLateSets = kStreamDeadline_ms * 1000u / hal::kControlPeriod_us;
 // By sub-index, from 1.
 constexpr std::int16_t walk::Velocity::*kVelocityParts[] = {
     &walk::Velocity::forward_mm_per_s, &walk::Velocity::left_mm_per_s, &walk::Velocity::turn_mrad_per_s};
@@ -97,11 +101,18 @@ bool Requests::take_set(std::uint8_t sequence) {
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint)
     targets[joint] = fixed::Angle::from_raw(std::int32_t{stream.targets[joint]} * kStreamUnit_raw);
   if (!behaviour_.take_stream(targets, stream.torques_percent)) return false;
+  stream.taken_sets = fixed::add_saturated(stream.taken_sets, std::uint16_t{1});
+  count_missing_sets(sequence);
+  return true;
+}
+
+// A set that repeats the counter or comes late skips none: the gap before a late set has been counted.
+void Requests::count_missing_sets(std::uint8_t sequence) {
+  const auto back = static_cast<std::uint8_t>(last_set_ ? *last_set_ - sequence : 0);
+  if (last_set_ && back <= kMaxLateSets) return;
   const auto missing = static_cast<std::uint8_t>(last_set_ ? sequence - *last_set_ - 1 : 0);
   last_set_ = sequence;
-  stream.taken_sets = fixed::add_saturated(stream.taken_sets, std::uint16_t{1});
-  stream.missing_sets = fixed::add_saturated(stream.missing_sets, std::uint16_t{missing});
-  return true;
+  values_.stream.missing_sets = fixed::add_saturated(values_.stream.missing_sets, std::uint16_t{missing});
 }
 
 AbortCode Requests::set_velocity(std::uint8_t subindex, std::int16_t value) {

@@ -57,6 +57,7 @@ class Requests {
   void set_velocity_limit(std::uint8_t subindex, std::int16_t value);
   canopen::AbortCode set_calibration(canopen::ObjectAddress address, std::int32_t value);
   void begin_stream();
+  void count_missing_sets(std::uint8_t sequence);
   void set_trim(std::size_t joint, std::int16_t trim);
   void apply(const Calibration& calibration);
 
@@ -67,7 +68,7 @@ class Requests {
   estimation::Estimator& estimator_;
   const drive::DriveGroup& drives_;
   std::int16_t applied_trims_[robot::kMaxJoints] = {};
-  std::optional<std::uint8_t> last_set_;  // of the stream, in its sequence
+  std::optional<std::uint8_t> last_set_;  // of the stream: the highest counter, in its sequence
 };
 
 }  // namespace koboshi::app

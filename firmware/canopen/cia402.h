@@ -98,7 +98,7 @@ enum class State : std::uint8_t {
 };
 
 // Statusword bits besides those of the state.
-inline constexpr std::uint16_t kVoltageEnabled = 1u << 4;
+inline constexpr std::uint16_t kVoltageEnabled = 1u << 4;  // the motor's supply is applied, in any state
 inline constexpr std::uint16_t kRemote = 1u << 9;
 inline constexpr std::uint16_t kTargetReached = 1u << 10;        // profile position mode
 inline constexpr std::uint16_t kInternalLimit = 1u << 11;        // an internal limit is active

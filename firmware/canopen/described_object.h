@@ -176,21 +176,22 @@ inline constexpr std::string_view kTorqueOffStateNames[] = {
 };
 
 // Names of whole statuswords, since a name cannot mask bits: each state with the bits that accompany it, with
-// the drive-enable line high and low; the last is operation enabled with an active limit.
+// the drive-enable line high and low; then a fault without supply, with both; the last is operation enabled
+// with an active limit.
 inline constexpr auto kStatuswordNames = [] {
   constexpr std::size_t kStates = std::size(kStateNames);
-  std::array<ValueName, 2 * kStates + 1> names{};
+  std::array<ValueName, 2 * kStates + 3> names{};
   for (std::uint8_t number = 0; number < kStates; ++number) {
     const auto state = static_cast<State>(number);
     const bool enabled = state == State::kOperationEnabled;
-    const bool makes_torque =
-        enabled || state == State::kQuickStopActive || state == State::kFaultReactionActive;
-    const unsigned word = statusword_of(state) | kRemote | (makes_torque ? kVoltageEnabled : 0u) |
-                          (enabled ? kFollowsCommand : 0u);
+    const unsigned word = statusword_of(state) | kRemote | kVoltageEnabled | (enabled ? kFollowsCommand : 0u);
     names[number] = value_name(word, kStateNames[number]);
     names[kStates + number] = value_name(word | kTorqueOff, kTorqueOffStateNames[number]);
     if (enabled) names.back() = value_name(word | kInternalLimit, "operation enabled, limit active");
   }
+  constexpr unsigned kUnsupplied = statusword_of(State::kFault) | kRemote;
+  names[2 * kStates] = value_name(kUnsupplied, "fault, no supply");
+  names[2 * kStates + 1] = value_name(kUnsupplied | kTorqueOff, "fault, no supply, torque off");
   return names;
 }();
 

@@ -20,10 +20,14 @@ bool ErrorLog::raise(std::uint16_t code, std::uint8_t register_bits, std::uint16
   }
   if (active_size_ < kMaxActive) active_[active_size_++] = {code, register_bits, bit};
   update_register();
+  record(code, additional);
+  return true;
+}
+
+void ErrorLog::record(std::uint16_t code, std::uint16_t additional) {
   std::copy_backward(history_.begin(), history_.end() - 1, history_.end());
   history_[0] = code | (static_cast<std::uint32_t>(additional) << 16);
   if (history_size_ < kHistory) ++history_size_;
-  return true;
 }
 
 bool ErrorLog::withdraw(std::uint16_t code, ErrorReporter reporter) {
@@ -67,7 +71,7 @@ AbortCode ErrorLog::write_history(std::uint8_t subindex, std::uint32_t value) {
 void EmergencyProducer::load_defaults(std::uint8_t node_id) {
   cob_id_ = static_cast<std::uint32_t>(kEmergencyBase + node_id);
   inhibit_time_100us_ = 0;
-  inhibited_until_us_ = 0;
+  sent_us_.reset();
   clear();
 }
 
@@ -88,11 +92,12 @@ void EmergencyProducer::send(const Emergency& emergency) {
 }
 
 void EmergencyProducer::send_pending(std::uint64_t now_us) {
-  while (size_ > 0 && now_us >= inhibited_until_us_) {
+  const std::uint64_t inhibit_us = inhibit_time_100us_ * 100u;
+  while (size_ > 0 && (!sent_us_ || now_us >= *sent_us_ + inhibit_us)) {
     transmit(pending_[first_]);
     first_ = (first_ + 1) % pending_.size();
     --size_;
-    inhibited_until_us_ = now_us + inhibit_time_100us_ * 100u;
+    sent_us_ = now_us;
   }
 }
 

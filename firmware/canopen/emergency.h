@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "firmware/canopen/dictionary.h"
 #include "firmware/canopen/frame.h"
@@ -56,6 +57,9 @@ class ErrorLog {
   // new each time and leave the error register as it is.
   bool raise(std::uint16_t code, std::uint8_t register_bits, std::uint16_t additional,
              ErrorReporter reporter = ErrorReporter::kOwner);
+  // Adds an entry to the history: a message about an error that is present already. 0x1003 holds all errors
+  // that emergency messages have signalled (CiA 301, 7.5.2.4).
+  void record(std::uint16_t code, std::uint16_t additional);
   // True when the error has ended by this.
   bool clear(std::uint16_t code, ErrorReporter reporter = ErrorReporter::kOwner) {
     return active_size_ > 0 && withdraw(code, reporter);
@@ -104,6 +108,7 @@ class EmergencyProducer {
   // Writes 0x1014. kInvalidValue as of check_cob_id.
   AbortCode write_cob_id(std::uint32_t value);
   std::uint16_t inhibit_time_100us() const { return inhibit_time_100us_; }
+  // A new time counts from the last message that was sent under the old one.
   void set_inhibit_time(std::uint16_t time_100us) { inhibit_time_100us_ = time_100us; }
 
   // Sends a message: at once without an inhibit time, else in `process`.
@@ -124,7 +129,7 @@ class EmergencyProducer {
   std::array<Emergency, kPending> pending_{};
   std::size_t first_ = 0;
   std::size_t size_ = 0;
-  std::uint64_t inhibited_until_us_ = 0;
+  std::optional<std::uint64_t> sent_us_;  // the last message that was sent in `process`
 };
 
 }  // namespace koboshi::canopen

@@ -60,7 +60,7 @@ class LssSlave {
   State state() const { return state_; }
 
   static bool takes(const hal::CanFrame& frame) {
-    return frame.identifier == kLssRequestCobId && frame.size == 8;
+    return frame.identifier == kLssRequestCobId && frame.size == 8 && !frame.remote;
   }
   // Takes a request and sends the answer to `sink`. `active_node_id`: that of the node now.
   [[nodiscard]] Event on_request(const hal::CanFrame& frame, std::uint8_t active_node_id, FrameSink& sink);

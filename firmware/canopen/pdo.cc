@@ -258,6 +258,8 @@ void TpdoSet::on_changed(std::size_t number) {
   const PdoRecord& changed = pdos_[number].record;
   pdos_[number].watched = number < watched_ && changed.valid() && changed.is_change_driven();
   forget(pdos_[number]);
+  pdos_[number].event_due_us = 0;
+  if (!changed.valid()) pdos_[number].inhibited_until_us = 0;
   due_us_ = 0;
   synchronous_end_ = 0;
   watched_end_ = 0;
@@ -265,6 +267,11 @@ void TpdoSet::on_changed(std::size_t number) {
     if (pdos_[i].record.valid() && pdos_[i].record.synchronous()) synchronous_end_ = i + 1;
     if (pdos_[i].watched) watched_end_ = i + 1;
   }
+}
+
+void TpdoSet::on_configured(std::size_t number) {
+  pdos_[number].inhibited_until_us = 0;
+  on_changed(number);
 }
 
 void TpdoSet::forget(Tpdo& pdo) {
@@ -277,6 +284,7 @@ void TpdoSet::start(std::uint64_t now_us) {
   due_us_ = 0;
   for (Tpdo& pdo : pdos_) {
     forget(pdo);
+    pdo.inhibited_until_us = 0;
     pdo.event_due_us = now_us + pdo.record.event_timer_us();
   }
 }

@@ -263,9 +263,13 @@ class TpdoSet {
 
   // Whether a valid PDO has this identifier. O(n).
   bool sends(std::uint16_t identifier) const;
-  // To be called when record `number` has changed: drops events that wait, and counts SYNCs anew.
+  // To be called when record `number` has changed: drops events that wait, counts SYNCs anew, and ends the
+  // event timer: the next `process` sends the PDO, and the new time counts from there. The inhibit time of a
+  // PDO ends when the PDO becomes invalid.
   void on_changed(std::size_t number);
-  // To be called when the node enters operational: restarts counters and event timers.
+  // To be called when record `number` was configured as a whole: the same, and the inhibit time ends.
+  void on_configured(std::size_t number);
+  // To be called when the node enters operational: restarts counters and event timers, ends inhibit times.
   void start(std::uint64_t now_us);
   // Reports an event of PDO `number`.
   void request(std::size_t number, std::uint64_t now_us);

@@ -211,7 +211,7 @@ std::uint16_t Drive::mode_bits() const {
 
 void Drive::show() {
   values_.statusword = static_cast<std::uint16_t>(cia402::statusword_of(state_.state()) | cia402::kRemote);
-  if (state_.makes_torque()) values_.statusword |= cia402::kVoltageEnabled;
+  if (monitor_.supplied(servo_)) values_.statusword |= cia402::kVoltageEnabled;
   values_.statusword |= mode_bits();
   if (limited()) values_.statusword |= cia402::kInternalLimit;
   if (!enable_line_) values_.statusword |= cia402::kTorqueOff;

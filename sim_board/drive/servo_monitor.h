@@ -46,6 +46,8 @@ class ServoMonitor {
     return std::nullopt;
   }
 
+  // Whether the bridge has a supply that it can work with.
+  bool supplied(const Servo& servo) const { return !supply_is_low(servo); }
   // A cause that is still there: no reset of a fault.
   bool forbids_reset(const Servo& servo) const {
     return servo.encoder_broken() || servo.winding().too_hot() || supply_is_low(servo);

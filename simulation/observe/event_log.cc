@@ -83,6 +83,7 @@ void EventLog::add(std::uint64_t time_us, const std::string& kind, const std::st
 }
 
 void EventLog::on_bus_frame(const hal::CanFrame& frame, std::uint64_t end_us, const Telemetry& said) {
+  if (frame.remote) return;  // it has no data
   switch (frame.identifier) {
     case kCommandIdentifier:
       if (frame.size < 3) return;

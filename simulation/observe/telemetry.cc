@@ -56,6 +56,7 @@ TelemetryReader::TelemetryReader(const robot::RobotModel& model) : model_(model)
 }
 
 void TelemetryReader::on_bus_frame(const hal::CanFrame& frame, std::uint64_t, std::uint64_t) {
+  if (frame.remote) return;  // it has no data
   const auto node = static_cast<std::uint8_t>(frame.identifier & 0x7F);
   const auto base = static_cast<std::uint16_t>(frame.identifier & ~0x7F);
   if (base == canopen::kEmergencyBase && node != 0) {

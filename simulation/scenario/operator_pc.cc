@@ -180,6 +180,7 @@ void OperatorPc::stream(const StreamSet& set) {
 }
 
 void OperatorPc::on_frame(const hal::CanFrame& frame, std::uint64_t time_us) {
+  if (frame.remote) return;  // it commands nothing
   const bool takes_over =
       frame.identifier == sim_board::kCommandIdentifier && frame.data[0] != code_of(Command::Kind::kPlay);
   if (takes_over || frame.identifier == sim_board::kVelocityIdentifier) velocity_.reset();

@@ -39,7 +39,10 @@ class TimeStamp {
 
   bool consumes() const { return (cob_id_ & kTimeConsumer) != 0; }
   std::uint16_t identifier() const { return static_cast<std::uint16_t>(cob_id_ & kCobIdMask); }
-  bool identifies(const hal::CanFrame& frame) const { return consumes() && frame.identifier == identifier(); }
+  // Whether this is a TIME message. A remote frame is none: it has no data.
+  bool identifies(const hal::CanFrame& frame) const {
+    return consumes() && !frame.remote && frame.identifier == identifier();
+  }
   // Takes the time of a TIME message. False if it is invalid: not six bytes, or beyond 24 hours.
   bool accept(const hal::CanFrame& frame, std::uint64_t now_us);
   // The time of day; nullopt before the first message.

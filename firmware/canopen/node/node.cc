@@ -177,7 +177,7 @@ AbortCode Node::configure_rpdo(std::size_t number, const PdoConfiguration& confi
 AbortCode Node::configure_tpdo(std::size_t number, const PdoConfiguration& configuration) {
   if (number >= tpdos_.size()) return AbortCode::kObjectDoesNotExist;
   const AbortCode configured = tpdos_[number].record.configure(configuration, node_id_, dictionary_);
-  tpdos_.on_changed(number);
+  tpdos_.on_configured(number);
   return configured;
 }
 
@@ -312,7 +312,8 @@ void Node::note_refusal(std::size_t number, std::uint8_t refused) {
   for (std::size_t i = 0; i < kMaxMappedObjects; ++i) {
     if ((refused & ~before & (1u << i)) == 0) continue;
     const ObjectAddress object = rpdos_[number].record.mapped_address(i);
-    static_cast<void>(errors_.raise(error_code::kParameter, 0, object.index, ErrorReporter::kStack));
+    if (!errors_.raise(error_code::kParameter, 0, object.index, ErrorReporter::kStack))
+      errors_.record(error_code::kParameter, object.index);
     send_emergency(error_code::kParameter,
                    {static_cast<std::uint8_t>(object.index), static_cast<std::uint8_t>(object.index >> 8),
                     object.subindex, static_cast<std::uint8_t>(number + 1)});

@@ -182,6 +182,30 @@ TEST_F(JointStreamBench, CountsMissingSets) {
   EXPECT_EQ(values().missing_sets, 2 + 243 + 1);
 }
 
+TEST_F(JointStreamBench, CountsNoMissingSetForARepeatedCounter) {
+  begin();
+  for (const int number : {7, 7, 8, 8, 8, 200, 200, 201, 201}) {
+    send_sequence(number);
+    bench.run_ms(10);
+  }
+  EXPECT_EQ(values().taken_sets, 9);
+  EXPECT_EQ(values().missing_sets, 191);  // 9 to 199
+}
+
+// The gap before a late set stays counted, and the sets after it count from the highest counter.
+TEST_F(JointStreamBench, CountsNoMissingSetForALateOne) {
+  begin();
+  for (const int number : {254, 255, 1, 0, 2, 3, 249, 4}) {
+    send_sequence(number);
+    bench.run_ms(10);
+  }
+  EXPECT_EQ(values().taken_sets, 8);
+  EXPECT_EQ(values().missing_sets, 1);
+  send_sequence(249);  // 11 behind: 244 sets were skipped
+  bench.run_ms(10);
+  EXPECT_EQ(values().missing_sets, 1 + 244);
+}
+
 TEST_F(JointStreamBench, TakesSetsBySdo) {
   ASSERT_EQ(pc.write({kStreamObject, 1}, 1, 1), canopen::AbortCode::kDeviceState);
   ASSERT_EQ(pc.write({kRequestObject, 1}, static_cast<int>(Command::kStream), 1), canopen::AbortCode::kNone);

@@ -110,6 +110,22 @@ TEST(EmergencyProducer, SpacesMessagesByTheInhibitTime) {
   EXPECT_EQ(device.sink.take(), std::vector{can_frame(0x090, {0x10, 0x43, 0x01, 0, 0, 0, 0, 0})});
 }
 
+TEST(EmergencyProducer, AppliesANewInhibitTimeToMessagesThatWait) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.write_object({0x1015, 0}, 50'000, 2), AbortCode::kNone);  // 5 s
+  device.node.raise_error(0x2310, 0);
+  device.node.process(1'000);
+  device.node.raise_error(0x4310, 0);
+  device.node.process(20'000);
+  EXPECT_EQ(device.sink.take().size(), 1u);
+  ASSERT_EQ(device.node.write_object({0x1015, 0}, 300, 2), AbortCode::kNone);  // 30 ms
+  device.node.process(30'999);
+  EXPECT_TRUE(device.sink.take().empty());
+  device.node.process(31'000);
+  EXPECT_EQ(device.sink.take().size(), 1u);
+}
+
 TEST(EmergencyProducer, DropsExcessMessagesAndDiscardsAllInStopped) {
   TestNode device;
   device.make_operational();

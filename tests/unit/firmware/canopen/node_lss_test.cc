@@ -40,6 +40,21 @@ TEST(NodeLss, AnswersInEveryState) {
   }
 }
 
+// Whatever bytes the frame's buffer holds: a remote frame has no data.
+TEST(NodeLss, IgnoresRemoteFrames) {
+  TestNode owner(0x10, kTestDevice);
+  owner.start(0x10, 0);
+  hal::CanFrame remote = lss({0x04, 1});
+  remote.remote = true;
+  owner.ask(remote);
+  EXPECT_TRUE(owner.ask(lss({0x5E})).empty());
+  owner.ask(lss({0x04, 1}));
+  EXPECT_EQ(owner.ask(lss({0x5E})).size(), 1u);
+  remote = lss({0x5E});
+  remote.remote = true;
+  EXPECT_TRUE(owner.ask(remote).empty());
+}
+
 TEST(NodeLss, AppliesANewIdAtTheNextReset) {
   TestNode owner(0x10, kTestDevice);
   owner.start(0x10, 0);

@@ -124,7 +124,17 @@ TEST(NodeRpdo, ReportsEachObjectThatRefusesItsValue) {
   EXPECT_FALSE(device.node.errors().active(0x6320));
 }
 
-// Two of one PDO refuse at once, then one of them, then both: each has a message when its refusal begins.
+// Returns the entries of 0x1003, the newest first.
+std::vector<std::uint32_t> history(const TestNode& device) {
+  std::vector<std::uint32_t> entries;
+  ObjectValue value;
+  for (std::uint8_t i = 1; device.node.errors().read_history(i, value) == AbortCode::kNone; ++i)
+    entries.push_back(value.number());
+  return entries;
+}
+
+// Two of one PDO refuse at once, then one of them, then both: each has a message, and an entry of the error
+// history, when its refusal begins.
 TEST(NodeRpdo, ReportsEveryObjectOfOnePdoThatRefusesItsValue) {
   TestNode device;
   device.make_operational();
@@ -137,9 +147,11 @@ TEST(NodeRpdo, ReportsEveryObjectOfOnePdoThatRefusesItsValue) {
   const hal::CanFrame mode = can_frame(0x090, {0x20, 0x63, 0x01, 0x60, 0x60, 0, 3, 0});
   const hal::CanFrame both = can_frame(0x410, {0xFF, 0xFF, 0xFF, 0x7F, 99});
   EXPECT_EQ(device.ask(both), (std::vector{target, mode}));
+  EXPECT_EQ(history(device), (std::vector{0x6060'6320u, 0x607A'6320u}));
   EXPECT_TRUE(device.ask(both).empty());
   EXPECT_TRUE(device.ask(can_frame(0x410, {0, 0, 0, 0, 99})).empty());
   EXPECT_EQ(device.ask(both), std::vector{target});
+  EXPECT_EQ(history(device), (std::vector{0x607A'6320u, 0x6060'6320u, 0x607A'6320u}));
   EXPECT_EQ(device.ask(can_frame(0x410, {0, 0, 0, 0, 1})),
             std::vector{can_frame(0x090, {0, 0, 0, 0, 0, 0, 0, 0})});
   EXPECT_EQ(device.ask(both), (std::vector{target, mode}));

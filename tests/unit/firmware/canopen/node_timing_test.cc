@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <string_view>
 
 #include "tests/unit/firmware/canopen/test_node.h"
 
@@ -124,6 +125,51 @@ TEST(NodeTiming, AnEventDoesNotOutliveOperationalOrItsConfiguration) {
   }
 }
 
+// Each case has sent a PDO whose inhibit time is 5 s.
+TEST(NodeTiming, AnInhibitTimeDoesNotOutliveItsConfigurationOrAReset) {
+  constexpr PdoConfiguration kSpaced{
+      .cob_id = 0x290, .inhibit_time_100us = 50'000, .mapping = {mapping(0x6041, 0, 16)}};
+  for (const std::string_view by : {"1800:01", "configure", "0x82", "0x81", "start"}) {
+    SCOPED_TRACE(by);
+    TestNode device;
+    device.node.start(0);
+    ASSERT_EQ(device.node.configure_tpdo(1, kSpaced), AbortCode::kNone);
+    device.node.command(NmtCommand::kStart, 0);
+    device.node.trigger_tpdo(1, 1'000);
+    device.node.process(1'000);
+    if (by == "1800:01") {
+      ASSERT_EQ(device.node.write_object({0x1801, 1}, 0xC000'0290, 4), AbortCode::kNone);
+      ASSERT_EQ(device.node.write_object({0x1801, 3}, 0, 2), AbortCode::kNone);
+      ASSERT_EQ(device.node.write_object({0x1801, 1}, 0x4000'0290, 4), AbortCode::kNone);
+    } else if (by == "configure") {
+      ASSERT_EQ(device.node.configure_tpdo(1, kSpaced), AbortCode::kNone);
+    } else {
+      device.node.command(by == "0x82"   ? NmtCommand::kResetCommunication
+                          : by == "0x81" ? NmtCommand::kResetNode
+                                         : NmtCommand::kEnterPreOperational,
+                          2'000);
+      device.node.command(NmtCommand::kStart, 2'000);
+    }
+    device.sink.frames.clear();
+    device.node.trigger_tpdo(1, 3'000);
+    EXPECT_EQ(device.sink.take().size(), 1u);
+  }
+}
+
+TEST(NodeTiming, AnInhibitTimeOutlivesOtherChangesOfAPdo) {
+  TestNode device;
+  device.node.start(0);
+  ASSERT_EQ(device.node.configure_tpdo(
+                1, {.cob_id = 0x290, .inhibit_time_100us = 50, .mapping = {mapping(0x6041, 0, 16)}}),
+            AbortCode::kNone);
+  device.node.command(NmtCommand::kStart, 0);
+  device.node.trigger_tpdo(1, 0);
+  ASSERT_EQ(device.node.write_object({0x1801, 5}, 1'000, 2), AbortCode::kNone);
+  device.sink.frames.clear();
+  device.node.trigger_tpdo(1, 1'000);
+  EXPECT_EQ(send_times_ms(device, 0x290, 1, 30), std::vector{5});
+}
+
 TEST(NodeTiming, SyncPeriodRestartsWhenItIsWritten) {
   NodeDescription description = kTestDescription;
   description.sync_producer = true;
@@ -160,6 +206,30 @@ TEST(NodeTiming, EventTimerRepeatsAndRestartsAtEachTransmission) {
   device.node.trigger_tpdo(1, 25'000);
   EXPECT_EQ(device.sink.take().size(), 1u);
   EXPECT_EQ(send_times_ms(device, 0x290, 26, 50), (std::vector{35, 45}));
+}
+
+// A new time counts from the next cycle, which sends the PDO, whatever is left of the old one.
+TEST(NodeTiming, EventTimerRestartsWhenItIsWritten) {
+  TestNode device;
+  device.node.start(0);
+  ASSERT_EQ(device.node.configure_tpdo(
+                1, {.cob_id = 0x290, .event_timer_ms = 5'000, .mapping = {mapping(0x6041, 0, 16)}}),
+            AbortCode::kNone);
+  device.node.command(NmtCommand::kStart, 0);
+  device.sink.frames.clear();
+  EXPECT_TRUE(send_times_ms(device, 0x290, 1, 50).empty());
+  ASSERT_EQ(device.node.write_object({0x1801, 5}, 20, 2), AbortCode::kNone);
+  EXPECT_EQ(send_times_ms(device, 0x290, 50, 100), (std::vector{50, 70, 90}));
+  ASSERT_EQ(device.node.write_object({0x1801, 5}, 0, 2), AbortCode::kNone);
+  EXPECT_TRUE(send_times_ms(device, 0x290, 100, 200).empty());
+  ASSERT_EQ(device.node.write_object({0x1801, 5}, 20, 2), AbortCode::kNone);
+  EXPECT_EQ(send_times_ms(device, 0x290, 200, 250), (std::vector{200, 220, 240}));
+  ASSERT_EQ(device.node.write_object({0x1801, 5}, 5'000, 2), AbortCode::kNone);
+  EXPECT_EQ(send_times_ms(device, 0x290, 250, 300), std::vector{250});
+  ASSERT_EQ(device.node.write_object({0x1801, 1}, 0xC000'0290, 4), AbortCode::kNone);
+  ASSERT_EQ(device.node.write_object({0x1801, 5}, 10, 2), AbortCode::kNone);
+  ASSERT_EQ(device.node.write_object({0x1801, 1}, 0x4000'0290, 4), AbortCode::kNone);
+  EXPECT_EQ(send_times_ms(device, 0x290, 300, 325), (std::vector{300, 310, 320}));
 }
 
 TEST(NodeTiming, SyncCountersRestartWithOperational) {

@@ -62,6 +62,18 @@ TEST(NodeTime, IsReceivedInPreOperationalAndOperational) {
   EXPECT_EQ(owner.times.size(), 2u);
 }
 
+// A remote frame has a size, but no data.
+TEST(NodeTime, IgnoresRemoteFrames) {
+  TestNode owner(0x10, kTestDevice);
+  owner.start(0x10, 0);
+  owner.hear(kTime, 10);
+  hal::CanFrame remote = can_frame(0x100, {0, 0, 0, 0, 0, 0});
+  remote.remote = true;
+  owner.hear(remote, 10);
+  EXPECT_EQ(owner.times.size(), 1u);
+  EXPECT_EQ(owner.services.time_of_day(10), kTold);
+}
+
 TEST(NodeTime, HasItsObject) {
   TestNode owner(0x10, kTestDevice);
   owner.start(0x10, 0);

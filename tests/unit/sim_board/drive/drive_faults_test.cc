@@ -124,6 +124,32 @@ TEST_F(DriveTest, ToleratesALowSupplyWhileLimp) {
   EXPECT_TRUE(emergencies().empty());
 }
 
+// CiA 402-2: bit 4 of the statusword, voltage enabled, depends on the supply, and not on the state.
+TEST_F(DriveTest, ShowsInEveryStateWhetherItsSupplyIsApplied) {
+  configure();
+  const auto shown = [&] { return (drive->values().statusword & cia402::kVoltageEnabled) != 0; };
+  const auto expect_both = [&](State state) {
+    run_ms(20);
+    EXPECT_EQ(drive->state(), state);
+    EXPECT_TRUE(shown()) << static_cast<int>(state);
+    supply_V = 3.7;  // half of 7.5 V is 3.75
+    run_ms(5);       // too short for a fault
+    EXPECT_EQ(drive->state(), state);
+    EXPECT_FALSE(shown()) << static_cast<int>(state);
+    supply_V = 7.5;
+    run_ms(5);
+  };
+  expect_both(State::kSwitchOnDisabled);
+  controlword = cia402::kControlShutdown;
+  expect_both(State::kReadyToSwitchOn);
+  controlword = cia402::kControlSwitchOn;
+  expect_both(State::kSwitchedOn);
+  controlword = cia402::kControlEnableOperation;
+  expect_both(State::kOperationEnabled);
+  drive->set_enable_line(false);
+  expect_both(State::kSwitchOnDisabled);
+}
+
 JointDescription with_current_limit() {
   JointDescription joint;
   joint.servo.current_limit_A = 0.5;

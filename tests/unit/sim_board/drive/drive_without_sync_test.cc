@@ -109,7 +109,7 @@ TEST_F(DriveWithoutSync, SendsEveryChangeOfItsStatuswordByTpdo1) {
   for (const hal::CanFrame& frame : heard) {
     if (frame.identifier == 0x180 + kNode) words.push_back(canopen::load_u16(frame.data.data()));
   }
-  EXPECT_EQ(words, (std::vector<std::uint16_t>{0x0240, 0x0221, 0x0223, 0x4240}));
+  EXPECT_EQ(words, (std::vector<std::uint16_t>{0x0250, 0x0231, 0x0233, 0x4250}));
 }
 
 // The position has the encoder's noise; the inhibit time keeps it from filling the bus.

@@ -272,6 +272,18 @@ TEST_F(EventLogTest, DoesNotCountLyingAtTheStartAsAFall) {
   EXPECT_EQ(log_.verdict(), "lies, limp; did not fall; 0 faults");
 }
 
+// A remote frame with the velocity's identifier commands nothing.
+TEST_F(EventLogTest, PassesOverRemoteFrames) {
+  play_until(1.0);
+  const std::vector<std::string> before = texts();
+  for (const std::uint16_t identifier : {0x090, 0x201, 0x301}) {
+    log_.on_bus_frame({.identifier = identifier, .size = 8, .remote = true, .data = {0x10, 0x23}}, now_us_,
+                      said_);
+  }
+  play_until(2.0);
+  EXPECT_EQ(texts(), before);
+}
+
 TEST_F(EventLogTest, MergesTheSameEmergencyOfManyNodes) {
   hear(0x090, 8, {0x30, 0x81});
   hear(0x091, 8, {0x30, 0x81});

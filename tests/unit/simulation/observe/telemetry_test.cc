@@ -41,6 +41,16 @@ TEST_F(TelemetryOfFrames, ShowsTheStateOfTheController) {
   EXPECT_EQ(reader_.now().refusal, behaviour::Reason::kVelocityOutOfRange);
 }
 
+TEST_F(TelemetryOfFrames, PassesOverRemoteFrames) {
+  hear(0x190, 8, {0x37, 0x12, 0, 0, 0x08, 0, 0x10, 0});
+  hear(0x181, 8, {6, 17, 3, 5, 9, 1, 0, 39});
+  for (const std::uint16_t identifier : {0x090, 0x181, 0x190})
+    reader_.on_bus_frame({.identifier = identifier, .size = 8, .remote = true}, 0, 100);
+  EXPECT_EQ(reader_.now().state, behaviour::State::kFault);
+  EXPECT_EQ(reader_.now().joints[0].statusword, 0x1237);
+  EXPECT_NE(reader_.now().joints[0].position_rad, 0.0);
+}
+
 TEST_F(TelemetryOfFrames, ShowsAttitudeInRadians) {
   // Roll 2^12 and pitch -2^13, in units of 2^-16 turns; rates 2^10 and -2^11, in units of 2^-12 turns/s.
   hear(0x281, 8, {0x00, 0x10, 0x00, 0xE0, 0x00, 0x04, 0x00, 0xF8});
