@@ -77,8 +77,8 @@ bool succeeds(std::string script_path, const MemoryFile& messages) {
   const int error =
       posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments, utf8_environment().data());
   posix_spawn_file_actions_destroy(&actions);
-  if (error == ENOENT) throw PlotError("no figures: gnuplot is not installed (apt install gnuplot-nox)");
-  if (error != 0) throw PlotError("no figures: gnuplot does not start: " + std::string(std::strerror(error)));
+  if (error == ENOENT) throw PlotError("gnuplot is not installed (apt install gnuplot-nox)");
+  if (error != 0) throw PlotError("gnuplot does not start: " + std::string(std::strerror(error)));
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
