@@ -66,7 +66,7 @@ void report(const tools::RunResult& result, const std::filesystem::path& out) {
              100.0 * summary.can_bus_load, summary.state_hash, out.string());
   std::fflush(stdout);  // before what follows on standard error
   warn_of_losses(result.live);
-  if (result.plot_warning) print_error("koboshi: no figures: {}\n", *result.plot_warning);
+  if (result.plot_warning) print_error("koboshi: {}\n", *result.plot_warning);
   if (result.failure) print_error("koboshi: {}\n", *result.failure);
   fmt::print("{}\n", summary.verdict);
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 
 #include "firmware/canopen/frame.h"
@@ -34,10 +35,57 @@ std::string place_text(const FileObject& object) {
   return fmt::format("{:04X}:{:02X} {}", object.address.index, object.address.subindex, object.name);
 }
 
+constexpr canopen::ObjectAddress kSyncPeriod{0x1006, 0};
+constexpr std::uint16_t kSyncCounterOverflow = 0x1019;
+constexpr std::uint16_t kVerification = 0x1020;
+constexpr std::uint32_t kAllBits = 0xFFFF'FFFF;
+constexpr std::uint32_t kCobIdProduced = 1u << 30;  // SYNC and TIME: the node sends the message
+
 // A PDO has its communication parameters 0x200 below its mapping.
 bool is_pdo(std::uint16_t index) { return index >= 0x1400 && index <= 0x1BFF; }
 std::uint16_t pdo_of(std::uint16_t index) { return static_cast<std::uint16_t>(index & ~0x200u); }
 bool is_mapping(std::uint16_t index) { return is_pdo(index) && (index & 0x200) != 0; }
+
+// Objects that lock others, or their own identifier, while they are in use (CiA 301): the present value with
+// these bits kept and set releases what they lock.
+struct Lock {
+  std::uint16_t first_index;
+  std::uint16_t last_index;
+  std::uint8_t first_subindex;
+  std::uint8_t last_subindex;
+  std::uint32_t kept;
+  std::uint32_t set;
+};
+constexpr Lock kLocks[] = {
+    {0x1005, 0x1005, 0, 0, ~kCobIdProduced, 0},                             // COB-ID SYNC, 7.5.2.5
+    {0x1006, 0x1006, 0, 0, 0, 0},                                           // locks 1019, 7.5.2.22
+    {0x1012, 0x1012, 0, 0, ~(canopen::kCobIdInvalid | kCobIdProduced), 0},  // COB-ID TIME, 7.5.2.15
+    {0x1014, 0x1014, 0, 0, kAllBits, canopen::kCobIdInvalid},               // COB-ID EMCY, 7.5.2.17
+    {0x1016, 0x1016, 1, 0x7F, 0, 0},  // heartbeat consumers: no two monitor the same node, 7.5.2.19
+    {0x1028, 0x1028, 1, 0x7F, kAllBits, canopen::kCobIdInvalid},  // emergency consumers, 7.5.2.31
+    {0x1200, 0x12FF, 1, 2, kAllBits, canopen::kCobIdInvalid},     // SDO servers and clients, 7.5.2.33, 34
+    {0x1400, 0x15FF, 1, 1, kAllBits, canopen::kCobIdInvalid},     // RPDOs, 7.5.2.35
+    {0x1600, 0x17FF, 0, 0, 0, 0},                                 // their mapping, 7.5.2.36
+    {0x1800, 0x19FF, 1, 1, kAllBits, canopen::kCobIdInvalid},     // TPDOs, 7.5.2.37
+    {0x1A00, 0x1BFF, 0, 0, 0, 0},                                 // their mapping, 7.5.2.38
+};
+
+const Lock* lock_at(canopen::ObjectAddress address) {
+  const auto* found = std::ranges::find_if(kLocks, [&](const Lock& lock) {
+    return lock.first_index <= address.index && address.index <= lock.last_index &&
+           lock.first_subindex <= address.subindex && address.subindex <= lock.last_subindex;
+  });
+  return found == std::end(kLocks) ? nullptr : found;
+}
+
+// Returns the objects that lock this one.
+std::vector<canopen::ObjectAddress> locks_of(canopen::ObjectAddress address) {
+  if (is_mapping(address.index)) return {{pdo_of(address.index), 1}, {address.index, 0}};
+  if (is_pdo(address.index)) return {{address.index, 1}};
+  if (address.index == kSyncCounterOverflow) return {kSyncPeriod};
+  if (address != kSyncPeriod && lock_at(address) != nullptr) return {address};
+  return {};
+}
 
 bool is_compared(const DeviceFile& file, const FileObject& object) {
   return object.readable && object.value && (object.is_parameter || !file.is_dcf);
@@ -71,20 +119,20 @@ class Configurator {
     }
   }
 
+  // Writes in the order that CiA 301 demands: releases all locks of what changes, by ascending address;
+  // writes the values; sets the locks again in the reverse order; and at last the record 1020, which each
+  // write of another object resets.
   void write() {
-    std::map<std::uint16_t, std::vector<const FileObject*>> pdos;  // parameters, then mapping
-    for (const FileObject& object : file_.objects) {
-      const bool stores = object.address.index == kStore || object.address.index == kRestore;
-      if (!object.writable || !object.is_parameter || !object.value || stores) continue;
-      if (is_pdo(object.address.index)) {
-        pdos[pdo_of(object.address.index)].push_back(&object);
-      } else if (!has(object)) {
-        set(object);
-      }
+    const Changes changes = find_changes();
+    const std::map<canopen::ObjectAddress, Data> former = release(changes);
+    for (const auto& [address, object] : changes) {
+      if (!former.contains(address)) set(*object);
     }
-    for (const auto& [index, objects] : pdos) {
-      if (!std::ranges::all_of(objects, [this](const FileObject* object) { return has(*object); }))
-        write_pdo(index, objects);
+    for (auto lock = former.rbegin(); lock != former.rend(); ++lock) set_again(lock->first, lock->second);
+    for (const FileObject& object : file_.objects) {
+      if (object.address.index == kVerification && is_written(object) &&
+          (report_.written > 0 || !has(object)))
+        set(object);
     }
   }
 
@@ -105,49 +153,110 @@ class Configurator {
     }
   }
 
-  void set(const FileObject& object) { set(object, *object.value); }
-  void set(const FileObject& object, const Data& data) {
+  // Writes the value of the file; false if the node refuses it.
+  bool set(const FileObject& object) {
     try {
-      sdo_.write(object.address, data);
+      sdo_.write(object.address, *object.value);
       ++report_.written;
+      return true;
     } catch (const SdoAborted& aborted) {
-      add(object, fmt::format("writing {}: {}", value_text(object, data), aborted.what()));
+      add(object, fmt::format("writing {}: {}", value_text(object, *object.value), aborted.what()));
+      return false;
     }
   }
 
-  // Disables the PDO, writes its parameters and its mapping without and then with its number of objects, and
-  // enables it if the file does.
-  void write_pdo(std::uint16_t index, const std::vector<const FileObject*>& objects) {
-    const FileObject* cob_id = nullptr;
-    const FileObject* count = nullptr;
-    for (const FileObject* object : objects) {
-      if (object->address == canopen::ObjectAddress{index, 1}) cob_id = object;
-      if (is_mapping(object->address.index) && object->address.subindex == 0) count = object;
-    }
-    const std::optional<Data> former = disable({index, 1});
-    if (count != nullptr) set(*count, Data(count->value->size(), 0));
-    for (const FileObject* object : objects) {
-      if (object != cob_id && object != count) set(*object);
-    }
-    if (count != nullptr) set(*count);
-    if (cob_id != nullptr) {
-      set(*cob_id);
-    } else if (former) {
-      sdo_.write({index, 1}, *former);
-    }
+  using Changes = std::map<canopen::ObjectAddress, const FileObject*>;
+
+  bool is_written(const FileObject& object) const {
+    const bool stores = object.address.index == kStore || object.address.index == kRestore;
+    return object.writable && object.is_parameter && object.value && !stores;
   }
 
-  // Marks the COB-ID as invalid and returns what it was; nothing for a node with a fixed one.
-  std::optional<Data> disable(canopen::ObjectAddress cob_id) {
+  // The objects whose values the node has not yet, without 1020. A mapping changes as a whole: a node may
+  // clear its entries with their number.
+  Changes find_changes() {
+    Changes changes;
+    std::set<std::uint16_t> mappings;
+    for (const FileObject& object : file_.objects) {
+      if (!is_written(object) || object.address.index == kVerification || has(object)) continue;
+      if (is_own_channel(object.address)) {
+        add(object, "not written, it is of the SDO channel in use: use --first or --second");
+        continue;
+      }
+      changes[object.address] = &object;
+      if (is_mapping(object.address.index)) mappings.insert(object.address.index);
+    }
+    for (const FileObject& object : file_.objects) {
+      if (is_written(object) && mappings.contains(object.address.index)) changes[object.address] = &object;
+    }
+    return changes;
+  }
+
+  // Whether this belongs to the SDO server that answers. Without it nothing more could be written.
+  bool is_own_channel(canopen::ObjectAddress address) {
+    if (address.index < 0x1200 || address.index > 0x127F) return false;
+    const std::optional<Data> request = number_at({address.index, 1});
+    return request && (canopen::load_u32(request->data()) & canopen::kCobIdMask) == sdo_.request_identifier();
+  }
+
+  // Releases the locks of these objects and returns their values before. A lock that cannot be read or
+  // written is none, such as a fixed COB-ID.
+  std::map<canopen::ObjectAddress, Data> release(const Changes& changes) {
+    std::set<canopen::ObjectAddress> locks;
+    for (const auto& [address, object] : changes) {
+      for (const canopen::ObjectAddress lock : locks_of(address)) locks.insert(lock);
+    }
+    std::map<canopen::ObjectAddress, Data> former;
+    for (const canopen::ObjectAddress address : locks) {
+      const Lock& lock = *lock_at(address);
+      const std::optional<Data> present = read(address);
+      if (!present || present->size() > 4) continue;
+      Data value = *present;
+      value.resize(4);
+      canopen::store_u32(value.data(), (canopen::load_u32(value.data()) & lock.kept) | lock.set);
+      value.resize(present->size());
+      if (value == *present || try_write(address, value)) former[address] = *present;
+    }
+    return former;
+  }
+
+  // Gives a lock its value of the file, or else the former one. If the node refuses that of the file, a PDO
+  // stays disabled, as its mapping may be another one now; other objects get the former value again.
+  void set_again(canopen::ObjectAddress address, const Data& former) {
+    const FileObject* object = find(address);
+    const bool changes = object != nullptr && *object->value != former;
+    if (changes && (set(*object) || is_pdo(address.index))) return;
     try {
-      const Data former = sdo_.read(cob_id);
-      if (former.size() != 4) return std::nullopt;
-      Data disabled = former;
-      canopen::store_u32(disabled.data(), canopen::load_u32(disabled.data()) | canopen::kCobIdInvalid);
-      sdo_.write(cob_id, disabled);
-      return former;
+      sdo_.write(address, former);
+    } catch (const SdoAborted& aborted) {
+      add({.address = address, .name = "as before"},
+          fmt::format("writing {}: {}", value_text({}, former), aborted.what()));
+    }
+  }
+
+  // Returns the object of the file that is written at this address, or nullptr.
+  const FileObject* find(canopen::ObjectAddress address) const {
+    const auto found = std::ranges::find(file_.objects, address, &FileObject::address);
+    return found != file_.objects.end() && is_written(*found) ? &*found : nullptr;
+  }
+
+  std::optional<Data> read(canopen::ObjectAddress address) {
+    try {
+      return sdo_.read(address);
     } catch (const SdoAborted&) {
       return std::nullopt;
+    }
+  }
+  std::optional<Data> number_at(canopen::ObjectAddress address) {
+    std::optional<Data> data = read(address);
+    return data && data->size() == 4 ? data : std::nullopt;
+  }
+  bool try_write(canopen::ObjectAddress address, const Data& data) {
+    try {
+      sdo_.write(address, data);
+      return true;
+    } catch (const SdoAborted&) {
+      return false;
     }
   }
 

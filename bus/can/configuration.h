@@ -21,9 +21,11 @@ struct ConfigurationReport {
 // of an EDS its DefaultValues. Throws std::runtime_error if the node does not answer.
 ConfigurationReport compare_configuration(SdoTransfer& sdo, const DeviceFile& file);
 
-// Writes the ParameterValues of a DCF that the node has not yet, then compares. A PDO is disabled while its
-// parameters or its mapping change (CiA 301, 7.5.2.36). 1010 and 1011, which store and restore parameters,
-// are not written.
+// Writes the ParameterValues of a DCF that the node has not yet, then compares. Objects that CiA 301 locks
+// while they are in use are released first, all of them, and used again last: PDOs and their mappings, the
+// COB-IDs of SYNC, TIME, EMCY and SDO, heartbeat consumers, and the SYNC period before 1019. The record 1020
+// comes after all others. 1010 and 1011, which store and restore parameters, and the SDO channel in use are
+// not written.
 ConfigurationReport write_configuration(SdoTransfer& sdo, const DeviceFile& file);
 
 }  // namespace koboshi::bus

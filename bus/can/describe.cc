@@ -6,6 +6,7 @@
 #include "firmware/canopen/described_object.h"
 #include "firmware/canopen/dictionary.h"
 #include "firmware/canopen/frame.h"
+#include "firmware/canopen/lss_slave.h"
 #include "firmware/canopen/sdo/protocol.h"
 #include "sim_board/drive/pc_sdo.h"
 
@@ -111,6 +112,11 @@ std::string sdo_text(const hal::CanFrame& frame, bool request, const Object& obj
   }
 }
 
+std::string segment_text(std::uint8_t command) {
+  return fmt::format("block segment {}{}", command & ~sdo::kBlockLastSegment & 0xFF,
+                     (command & sdo::kBlockLastSegment) != 0 ? ", the last" : "");
+}
+
 // Returns the drive whose second SDO channel (0x1201) has this identifier, or 0.
 int second_channel_of(std::uint16_t identifier) {
   const int node = sim_board::node_of_pc_sdo_request(identifier);
@@ -135,6 +141,8 @@ FrameKind kind_of(const hal::CanFrame& frame) {
   if (identifier == canopen::kNmtCobId) return FrameKind::kNmt;
   if (identifier == canopen::kSyncCobId) return FrameKind::kSync;
   if (identifier == 0x100) return FrameKind::kTime;
+  if (identifier == canopen::kLssRequestCobId || identifier == canopen::kLssResponseCobId)
+    return FrameKind::kLss;
   if (second_channel_of(identifier) != 0) return FrameKind::kSdo;
   switch (identifier & canopen::kFunctionCodeMask) {
     case canopen::kEmergencyBase:
@@ -154,10 +162,11 @@ int node_of(const hal::CanFrame& frame) {
   const FrameKind kind = kind_of(frame);
   if (kind == FrameKind::kNmt) return frame.size > 1 ? frame.data[1] : 0;
   if (const int node = second_channel_of(frame.identifier); node != 0) return node;
-  return kind == FrameKind::kSync || kind == FrameKind::kTime ? 0 : frame.identifier & 0x7F;
+  const bool of_all = kind == FrameKind::kSync || kind == FrameKind::kTime || kind == FrameKind::kLss;
+  return of_all ? 0 : frame.identifier & 0x7F;
 }
 
-std::string describe(const hal::CanFrame& frame, const ObjectNames& names) {
+std::string describe(const hal::CanFrame& frame, const ObjectNames& names, bool is_segment) {
   const int node = node_of(frame);
   if (frame.remote) return fmt::format("remote request of {}", node_name(node));
   switch (kind_of(frame)) {
@@ -174,9 +183,12 @@ std::string describe(const hal::CanFrame& frame, const ObjectNames& names) {
     case FrameKind::kHeartbeat:
       return frame.size == 1 ? fmt::format("heartbeat {}: {}", node_name(node), state_name(frame.data[0]))
                              : "heartbeat of wrong length";
+    case FrameKind::kLss:
+      return describe_lss(frame);
     case FrameKind::kSdo: {
       const bool request = is_request(frame.identifier);
       const char* channel = second_channel_of(frame.identifier) != 0 ? "second SDO" : "SDO";
+      if (is_segment) return fmt::format("{} {}: {}", channel, node_name(node), segment_text(frame.data[0]));
       return frame.size == 8
                  ? fmt::format("{} {}: {}", channel, node_name(node), sdo_text(frame, request, {node, names}))
                  : "SDO of wrong length";

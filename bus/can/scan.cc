@@ -39,7 +39,7 @@ class Scanner {
     // while no node is found. The first channel of drives that are silent on the second is for those of other
     // makers.
     for (int round = 0; round < kScanRounds && (round < 2 || nodes_.empty()); ++round) {
-      identify_unconfigured();
+      if (options_.first_node < options_.last_node) identify_unconfigured();
       request_all(options_.channel == SdoChannel::kSecond ||
                   (options_.channel == SdoChannel::kAutomatic && round % 2 == 0));
       listen(options_.listen_us, kMaxListening);
@@ -63,12 +63,16 @@ class Scanner {
 
   // Asks the nodes that have not answered, drives on their second or on their first channel.
   void request_all(bool drives_on_second) {
-    for (std::uint8_t node = 1; node <= canopen::kMaxNodeId; ++node) {
+    for (std::uint8_t node = options_.first_node; node <= options_.last_node; ++node) {
       const bool second = drives_on_second && sim_board::has_pc_sdo(node);
       if (has_answered(node) || (options_.channel == SdoChannel::kSecond && !second)) continue;
       send_surely(transport_, device_type_request(node, second));
       listen(options_.request_period_us, 1);
     }
+  }
+
+  bool is_sought(std::uint8_t node) const {
+    return options_.first_node <= node && node <= options_.last_node;
   }
 
   bool has_answered(std::uint8_t node) const {
@@ -108,7 +112,7 @@ class Scanner {
     if (const int node = sim_board::node_of_pc_sdo_response(frame.identifier); node != 0)
       return take_answer(static_cast<std::uint8_t>(node), frame, true);
     const auto node = static_cast<std::uint8_t>(frame.identifier & canopen::kMaxNodeId);
-    if (node == 0) return;
+    if (!is_sought(node)) return;
     const int base = frame.identifier & canopen::kFunctionCodeMask;
     if (base == canopen::kHeartbeatBase && frame.size == 1) {
       at(node).state = frame.data[0] & 0x7F;  // bit 7 is the toggle of node guarding
@@ -122,7 +126,7 @@ class Scanner {
     const bool is_value =
         (frame.data[0] & canopen::sdo::kSpecifierMask) == canopen::sdo::kInitiateUploadResponse;
     if (frame.size != 8 || canopen::sdo::address_of(frame.data) != kDeviceType ||
-        (!is_value && frame.data[0] != canopen::sdo::kAbort))
+        (!is_value && frame.data[0] != canopen::sdo::kAbort) || !is_sought(node))
       return;
     FoundNode& found = at(node);
     if (!std::exchange(found.answers_sdo, true)) ++finds_;
@@ -192,6 +196,13 @@ std::string state_text(const FoundNode& node) {
 
 ScanResult scan_bus(sim_board::Transport& transport, const ScanOptions& options) {
   return Scanner(transport, options).run();
+}
+
+std::optional<FoundNode> find_node(sim_board::Transport& transport, std::uint8_t node_id,
+                                   std::uint64_t timeout_us) {
+  const ScanResult result = scan_bus(
+      transport, {.listen_us = timeout_us / kScanRounds, .first_node = node_id, .last_node = node_id});
+  return result.nodes.empty() ? std::nullopt : std::optional(result.nodes.front());
 }
 
 std::string sighting_text(const ScanResult& result) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bus/can/sdo_transfer.h"
+#include "firmware/canopen/frame.h"
 #include "sim_board/can/transport/transport.h"
 
 namespace koboshi::bus {
@@ -18,6 +19,8 @@ struct ScanOptions {
   std::uint64_t listen_us = 1'000'000;      // after the last request and after each find
   std::uint64_t request_period_us = 2'000;  // a bus of 125 kbit/s carries request and answer in this time
   SdoChannel channel = SdoChannel::kAutomatic;
+  std::uint8_t first_node = 1;  // others are neither asked nor reported
+  std::uint8_t last_node = canopen::kMaxNodeId;
 };
 
 // A node of the bus. A value that it did not answer is missing.
@@ -45,6 +48,11 @@ inline constexpr unsigned kMaxListening = 5;  // times listen_us, while further 
 // to 127, from drives on their second channel and then, if they do not answer, on the first. Reads the
 // identity of those that answer.
 ScanResult scan_bus(sim_board::Transport& transport, const ScanOptions& options);
+
+// Returns the node that has this node id; nothing if no node with it answers by SDO or sends heartbeats
+// within about this time. A node in NMT state stopped that sends no heartbeats is not found.
+std::optional<FoundNode> find_node(sim_board::Transport& transport, std::uint8_t node_id,
+                                   std::uint64_t timeout_us);
 
 // A table with a line for each node.
 std::string scan_table(const ScanResult& result);

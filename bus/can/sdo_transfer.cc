@@ -262,10 +262,11 @@ std::vector<std::uint8_t> SdoTransfer::upload_once(ObjectAddress address, const 
   const Data answer = ask(Kind::kInitiate, request, sdo::kBlockUploadResponse);
   const std::size_t size = (answer[0] & sdo::kBlockSizeIndicated) != 0 ? sdo::data_of(answer) : 0;
   send({sdo::kBlockUploadRequest | sdo::kBlockStartUpload});
-  return read_blocks(size, progress);
+  return read_blocks(size, (answer[0] & sdo::kBlockCrc) != 0, progress);
 }
 
-std::vector<std::uint8_t> SdoTransfer::read_blocks(std::size_t size, const SdoProgress& progress) {
+std::vector<std::uint8_t> SdoTransfer::read_blocks(std::size_t size, bool with_crc,
+                                                   const SdoProgress& progress) {
   std::vector<std::uint8_t> data;
   for (;;) {
     std::uint8_t expected = 1;
@@ -287,19 +288,19 @@ std::vector<std::uint8_t> SdoTransfer::read_blocks(std::size_t size, const SdoPr
     if (progress) progress(data.size(), size);
     if (last) break;
   }
-  end_upload(data);
+  end_upload(data, with_crc);
   if (size != 0 && data.size() != size) abort(AbortCode::kLengthMismatch);
   return data;
 }
 
-void SdoTransfer::end_upload(std::vector<std::uint8_t>& data) {
+void SdoTransfer::end_upload(std::vector<std::uint8_t>& data, bool with_crc) {
   const Data end = receive(Kind::kMessage, sdo::kBlockUploadResponse);
   if ((end[0] & (sdo::kSpecifierMask | sdo::kBlockEnd)) != (sdo::kBlockUploadResponse | sdo::kBlockEnd))
     abort(AbortCode::kCommandSpecifierUnknown);
   const std::size_t unused = sdo::kSegmentBytes - sdo::block_end_size(end[0]);  // of the last segment
   if (data.size() < unused) abort(AbortCode::kLengthMismatch);
   data.erase(data.end() - static_cast<std::ptrdiff_t>(unused), data.end());
-  if (canopen::load_u16(&end[1]) != canopen::crc16(0, data)) abort(AbortCode::kCrcError);
+  if (with_crc && canopen::load_u16(&end[1]) != canopen::crc16(0, data)) abort(AbortCode::kCrcError);
   send({sdo::kBlockUploadRequest | sdo::kBlockEnd});
 }
 
@@ -320,7 +321,8 @@ void SdoTransfer::download_once(ObjectAddress address, std::span<const std::uint
   const std::size_t unused = rest == 0 && !data.empty() ? 0 : sdo::kSegmentBytes - rest;
   Data end{};
   end[0] = static_cast<std::uint8_t>(sdo::kBlockDownloadRequest | sdo::kBlockEnd | unused << 2);
-  canopen::store_u16(&end[1], canopen::crc16(0, data));
+  const bool with_crc = (answer[0] & sdo::kBlockCrc) != 0;
+  canopen::store_u16(&end[1], with_crc ? canopen::crc16(0, data) : std::uint16_t{0});
   ask(Kind::kMessage, end, sdo::kBlockDownloadResponse);
 }
 

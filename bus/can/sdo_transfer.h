@@ -35,7 +35,7 @@ class NoSdoAnswer : public std::runtime_error {
 };
 
 // A blocking client of one SDO channel (CiA 301, 7.2.4). Transfers objects of any size, by segments or by
-// blocks with a checksum.
+// blocks, with a checksum if the server supports it.
 //
 // A channel belongs to one client, but another may use it: a controller polls the drives on their first one.
 // Answers to others are skipped. A transfer that another client's request has ended is repeated, after a
@@ -51,6 +51,8 @@ class SdoTransfer {
   // Uses the channel with these identifiers of requests and responses.
   SdoTransfer(sim_board::Transport& transport, std::uint16_t request, std::uint16_t response)
       : transport_(transport), request_(request), response_(response) {}
+
+  std::uint16_t request_identifier() const { return request_; }
 
   // These throw SdoAborted, and NoSdoAnswer if the node does not answer.
   std::vector<std::uint8_t> read(canopen::ObjectAddress address);
@@ -86,8 +88,10 @@ class SdoTransfer {
   [[noreturn]] void abort(canopen::AbortCode code);
   std::vector<std::uint8_t> read_segments(std::size_t size);
   void write_segments(std::span<const std::uint8_t> data);
-  std::vector<std::uint8_t> read_blocks(std::size_t size, const SdoProgress& progress);
-  void end_upload(std::vector<std::uint8_t>& data);
+  // `with_crc`: the server can generate the checksum; without it, the bytes that hold it are not used (CiA
+  // 301, 7.2.4.3.15).
+  std::vector<std::uint8_t> read_blocks(std::size_t size, bool with_crc, const SdoProgress& progress);
+  void end_upload(std::vector<std::uint8_t>& data, bool with_crc);
   void write_blocks(std::span<const std::uint8_t> data, std::uint8_t block, const SdoProgress& progress);
 
   sim_board::Transport& transport_;

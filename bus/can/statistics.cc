@@ -16,7 +16,7 @@
 namespace koboshi::bus {
 namespace {
 
-constexpr const char* kKindNames[] = {"NMT", "SYNC", "EMCY", "TIME", "PDO", "SDO", "heartbeat", ""};
+constexpr const char* kKindNames[] = {"NMT", "SYNC", "EMCY", "TIME", "PDO", "SDO", "heartbeat", "LSS", ""};
 
 template <typename Time>
 std::string ms_text(Time time_us) {

@@ -40,7 +40,8 @@ const std::map<std::string, bus::FrameKind>& kinds() {
   static const std::map<std::string, bus::FrameKind> names{
       {"nmt", bus::FrameKind::kNmt},        {"sync", bus::FrameKind::kSync},
       {"emcy", bus::FrameKind::kEmergency}, {"pdo", bus::FrameKind::kPdo},
-      {"sdo", bus::FrameKind::kSdo},        {"heartbeat", bus::FrameKind::kHeartbeat}};
+      {"sdo", bus::FrameKind::kSdo},        {"heartbeat", bus::FrameKind::kHeartbeat},
+      {"lss", bus::FrameKind::kLss}};
   return names;
 }
 
@@ -119,8 +120,8 @@ class Printer {
   Printer(const bus::Network& network, bool with_interface)
       : network_(network), with_interface_(with_interface) {}
 
-  void print(const bus::TimedFrame& timed) const {
-    const std::string text = frame_description(timed.frame, network_);
+  void print(const bus::TimedFrame& timed, bool is_segment) const {
+    const std::string text = frame_description(timed.frame, network_, is_segment);
     const std::string line =
         fmt::format("{:12.6f}  {}{:<22}{}{}\n", 1e-6 * static_cast<double>(timed.time_us),
                     with_interface_ ? fmt::format("{:<6} ", timed.interface) : "",
@@ -146,6 +147,7 @@ void dump(const CanDumpArguments& arguments) {
   const Printer printer(network, several);
   tools::Interrupt interrupt;
   const OpenedSource opened = open_source(arguments.log, arguments.can, interrupt);
+  FollowedBlocks blocks;
   bus::ForeignCount foreign;
   std::uint64_t shown = 0;
   std::optional<int> signal;
@@ -153,9 +155,11 @@ void dump(const CanDumpArguments& arguments) {
     const auto timed = opened.source->next(kPatience_us);
     signal = interrupt.requested();
     if (signal || (!timed && !opened.source->is_live())) break;
-    if (!timed || !filter.passes(timed->frame)) continue;
+    if (!timed) continue;
+    const bool is_segment = blocks.follow(*timed);  // also frames that are not shown
+    if (!filter.passes(timed->frame)) continue;
     foreign.add(timed->frame);
-    printer.print(*timed);
+    printer.print(*timed, is_segment);
     ++shown;
   }
   print_remarks(*opened.source);
@@ -181,9 +185,10 @@ and for a file, either is an interruption, with status 130 or 143.
   for (const auto& [name, kind] : kinds()) names.push_back(name);
   names.emplace_back(kForeign);
   command
-      ->add_option("--kind", arguments->kinds,
-                   "Show only nmt, sync, emcy, pdo, sdo, heartbeat or foreign (29-bit identifiers, CAN FD, "
-                   "remote\nand error frames); may be repeated")
+      ->add_option(
+          "--kind", arguments->kinds,
+          "Show only nmt, sync, emcy, pdo, sdo, heartbeat, lss or foreign (29-bit identifiers, CAN FD, "
+          "remote\nand error frames); may be repeated")
       ->allow_extra_args(false)
       ->check(CLI::IsMember(names));
   command

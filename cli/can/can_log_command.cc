@@ -169,6 +169,7 @@ void write_export(const CanExportArguments& arguments) {
   tools::Interrupt interrupt;
   const OpenedSource opened = open_source(arguments.log, {}, interrupt);
   OutputFile file(arguments.out);
+  FollowedBlocks blocks;
   bus::AscWriter asc;
   const bool is_csv = extension == ".csv";
   file.write(is_csv ? bus::csv_head() : bus::AscWriter::head());
@@ -179,8 +180,10 @@ void write_export(const CanExportArguments& arguments) {
     if (const auto signal = interrupt.requested())
       throw tools::Interrupted(*signal, fmt::format("interrupted after {}", count_text(frames, "frame")));
     if (!timed) break;
-    const std::string line =
-        is_csv ? bus::csv_row(*timed, frame_description(timed->frame, network)) : asc.line(*timed);
+    const bool is_segment = blocks.follow(*timed);
+    const std::string line = is_csv
+                                 ? bus::csv_row(*timed, frame_description(timed->frame, network, is_segment))
+                                 : asc.line(*timed);
     ++(line.empty() ? omitted : frames);
     file.write(line);
   }

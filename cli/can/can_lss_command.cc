@@ -5,11 +5,13 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "base/file/standard_streams.h"
 #include "bus/can/frame_text.h"
 #include "bus/can/lss_master.h"
+#include "bus/can/scan.h"
 #include "bus/can/sdo_transfer.h"
 #include "cli/commands.h"
 #include "cli/options.h"
@@ -30,6 +32,7 @@ struct LssArguments {
   bus::SdoChannel channel = bus::SdoChannel::kAutomatic;  // for the identity of --node
   CanOptions can;
 };
+constexpr std::uint64_t kHolderTimeout_us = 500'000;  // until a node id counts as free
 using LssPointer = std::shared_ptr<LssArguments>;
 
 bus::LssAddress identity_of(sim_board::Transport& transport, std::uint8_t node, bus::SdoChannel channel) {
@@ -72,6 +75,23 @@ class Session {
       throw std::runtime_error(fmt::format("no LSS slave {} answers", bus::lss_address_text(address)));
   }
 
+  // Throws std::runtime_error if a node has this id already: two nodes with one id block each other's
+  // services.
+  void require_free(std::uint8_t node_id) {
+    if (const std::optional<std::string> holder = holder_of(node_id))
+      throw std::runtime_error(fmt::format("{}: nothing is assigned to a slave without a node id", *holder));
+  }
+  // Describes the node that has this id; nothing without one.
+  std::optional<std::string> holder_of(std::uint8_t node_id) {
+    const auto node = bus::find_node(*transport_, node_id, kHolderTimeout_us);
+    if (!node) return std::nullopt;
+    const auto number = [&](std::size_t part) { return node->identity[part].value_or(0); };
+    return fmt::format("node id {} is in use by {}{}", node_id, node->name.empty() ? "a node" : node->name,
+                       node->identity[0]
+                           ? ", " + bus::lss_address_text({number(0), number(1), number(2), number(3)})
+                           : std::string());
+  }
+
   bus::LssMaster& master() { return master_; }
 
  private:
@@ -105,6 +125,7 @@ int find(const LssArguments& arguments) {
     if (next > canopen::kMaxNodeId) throw std::runtime_error("there are more slaves than node ids up to 127");
     // Alone in configuration, or the others would take the same node id.
     session.master().switch_globally(LssSlave::State::kWaiting);
+    session.require_free(static_cast<std::uint8_t>(next));
     if (!session.master().switch_selectively(*address))
       throw std::runtime_error(fmt::format("no LSS slave {} answers", bus::lss_address_text(*address)));
     session.master().configure_node_id(static_cast<std::uint8_t>(next));
@@ -126,6 +147,12 @@ void set_node(const LssArguments& arguments) {
   Session session(arguments);
   session.select(arguments);
   require_one(session.master());
+  const std::uint8_t present = session.master().inquire_node_id();
+  if (id != canopen::kUnconfiguredNodeId && id != present) {
+    if (present == canopen::kUnconfiguredNodeId) session.require_free(id);  // it takes the id at once
+    if (const auto holder = session.holder_of(id))
+      warn(*holder + "; give that node another one before the reset");
+  }
   session.master().configure_node_id(id);
   if (arguments.store) session.master().store();
   fmt::print("{} from the next reset on{}\n", id_text(id), arguments.store ? ", stored" : "");
@@ -203,7 +230,7 @@ void add_can_lss_command(CLI::App& can, Invocation& invocation) {
       R"(A slave is in the state waiting or configuration. Each command puts the slave that --address or --node selects,
 or all slaves, into configuration, and all into waiting at its end, except `switch`.
 A new node id takes effect when the node is reset: koboshi can nmt reset-communication NODE. A slave without a node id
-takes it at once.
+takes it at once; it is refused an id that a node on the bus has.
 
 Examples:
   koboshi can lss find --can socketcan:vcan0

@@ -8,12 +8,12 @@
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 
 #include "base/file/output_file.h"
+#include "base/text/text.h"
 #include "bus/can/frame_text.h"
 #include "bus/can/sdo_transfer.h"
 #include "cli/options.h"
@@ -116,9 +116,8 @@ void write_file(const std::filesystem::path& file, const std::vector<std::uint8_
 }
 
 std::vector<std::uint8_t> read_file(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw std::invalid_argument("found no file " + file.string() + ", expected one to download");
-  return {std::istreambuf_iterator<char>(stream), {}};
+  const std::string bytes = read_text_file(file, "a file to download");
+  return {bytes.begin(), bytes.end()};
 }
 
 CLI::App* add(CLI::App& sdo, const char* name, const char* text,

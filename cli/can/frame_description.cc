@@ -22,11 +22,17 @@ std::string values_text(const bus::Network& network, const hal::CanFrame& frame)
 
 }  // namespace
 
-std::string frame_description(const sim_board::BusFrame& frame, const bus::Network& network) {
+std::string frame_description(const sim_board::BusFrame& frame, const bus::Network& network,
+                              bool is_segment) {
   if (const auto* foreign = std::get_if<sim_board::ForeignFrame>(&frame)) return bus::describe(*foreign);
   const auto& standard = std::get<hal::CanFrame>(frame);
-  const std::string text = bus::describe(standard);
+  const std::string text = bus::describe(standard, {}, is_segment);
   return text.empty() ? values_text(network, standard) : text;
+}
+
+bool FollowedBlocks::follow(const bus::TimedFrame& timed) {
+  const hal::CanFrame* frame = timed.standard();
+  return frame != nullptr && interfaces_[timed.interface].follow(*frame);
 }
 
 }  // namespace koboshi::cli

@@ -105,7 +105,7 @@ std::string draw_walks(const lab::GyroFeedbackOptions& options, const SessionOpt
     const std::string name = lab::gyro_feedback_cell(points, feedback);
     const std::filesystem::path folder = session.out / name;
     const tools::RunResult walk = tools::run({.scenario = scenario, .out = folder}, {});
-    if (walk.plot_warning) print_error("koboshi: no figures: {}\n", *walk.plot_warning);
+    if (walk.plot_warning) print_error("koboshi: {}\n", *walk.plot_warning);
     if (session.page.empty() || !std::filesystem::exists(folder / "zmp.png")) continue;
     const std::string image = session.section + "-" + name + ".png";
     std::filesystem::copy_file(folder / "zmp.png", session.page.parent_path() / image,

@@ -30,6 +30,8 @@ constexpr std::uint16_t kCommandIdentifier = canopen::kRpdo1Base + drive::kContr
 constexpr std::uint16_t kVelocityIdentifier = kCommandIdentifier + canopen::kPdoStep;
 constexpr std::uint16_t kStateIdentifier = canopen::kTpdo1Base + drive::kControllerNodeId;
 constexpr std::uint16_t kSdoIdentifier = canopen::kSdoRequestBase + drive::kControllerNodeId;
+constexpr std::uint16_t kSdoAnswerIdentifier = canopen::kSdoResponseBase + drive::kControllerNodeId;
+constexpr std::uint16_t kHeartbeatIdentifier = canopen::kHeartbeatBase + drive::kControllerNodeId;
 
 constexpr const char* kNotOfTheRobot = ", which the robot does not have";
 
@@ -83,7 +85,7 @@ void EventLog::add(std::uint64_t time_us, const std::string& kind, const std::st
 }
 
 void EventLog::on_bus_frame(const hal::CanFrame& frame, std::uint64_t end_us, const Telemetry& said) {
-  if (frame.remote) return;  // it has no data
+  if (frame.remote) return;  // without data: a request for a frame
   switch (frame.identifier) {
     case kCommandIdentifier:
       if (frame.size < 3) return;
@@ -96,7 +98,14 @@ void EventLog::on_bus_frame(const hal::CanFrame& frame, std::uint64_t end_us, co
       return;
     case kSdoIdentifier:
       return hear_sdo(frame, end_us, said);
+    case kSdoAnswerIdentifier:
+      if (frame.size == 8) sdo_blocks_.follow(frame.data, false);
+      return;
+    case kHeartbeatIdentifier:
+      if (hal::is_boot_up(frame)) sdo_blocks_.reset();
+      return;
     case kStateIdentifier:
+      if (frame.size != 8) return;
       follow_state(end_us, said);
       judge_commands(end_us, said);
       return judge_velocity(end_us, said);
@@ -106,8 +115,9 @@ void EventLog::on_bus_frame(const hal::CanFrame& frame, std::uint64_t end_us, co
   }
 }
 
-// Detects expedited downloads (CiA 301, 7.2.4.3.3) to the command object.
+// Detects expedited downloads (CiA 301, 7.2.4.3.3) to the command object. The data of a block are none.
 void EventLog::hear_sdo(const hal::CanFrame& frame, std::uint64_t time_us, const Telemetry& said) {
+  if (frame.size != 8 || sdo_blocks_.follow(frame.data, true)) return;
   const bool is_download = (frame.data[0] & 0xE2) == 0x22;
   if (!is_download || canopen::load_u16(&frame.data[1]) != app::kRequestObject) return;
   const std::uint16_t value = canopen::load_u16(&frame.data[4]);
@@ -426,9 +436,9 @@ std::string events_text(std::span<const RunEvent> events) {
 
 void EventLog::archive(sim_board::StateArchive& archive) {
   archive(events_, said_, truth_, now_us_, heard_state_, entered_us_, given_, velocity_, velocity_us_,
-          reported_velocity_, sdo_argument_, last_command_, last_text_, refused_, emergencies_, falls_,
-          is_down_, was_upright_, down_us_, down_by_, attempts_, cut_offs_, remarks_, next_push_, begun_,
-          ended_, released_);
+          reported_velocity_, sdo_blocks_, sdo_argument_, last_command_, last_text_, refused_, emergencies_,
+          falls_, is_down_, was_upright_, down_us_, down_by_, attempts_, cut_offs_, remarks_, next_push_,
+          begun_, ended_, released_);
 }
 
 }  // namespace koboshi::simulation

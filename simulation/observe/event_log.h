@@ -13,6 +13,7 @@
 #include "firmware/behaviour/state.h"
 #include "firmware/walk/velocity.h"
 #include "hal/port/can.h"
+#include "sim_board/can/sdo_block_tracker.h"
 #include "simulation/disturbance/disturbed_world.h"
 #include "simulation/model/robot_model.h"
 #include "simulation/observe/event_store.h"
@@ -118,6 +119,7 @@ class EventLog {  // Large: one member per kind of event seen last
   std::optional<walk::Velocity> velocity_;
   std::optional<std::uint64_t> velocity_us_;  // time of a velocity that no command has followed yet
   std::optional<walk::Velocity> reported_velocity_;
+  sim_board::SdoBlockTracker sdo_blocks_;  // of the controller's channel
   std::int16_t sdo_argument_ = 0;
   std::string last_command_;
   std::string last_text_;

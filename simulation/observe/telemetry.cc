@@ -56,7 +56,7 @@ TelemetryReader::TelemetryReader(const robot::RobotModel& model) : model_(model)
 }
 
 void TelemetryReader::on_bus_frame(const hal::CanFrame& frame, std::uint64_t, std::uint64_t) {
-  if (frame.remote) return;  // it has no data
+  if (frame.remote) return;  // without data: a request for a frame
   const auto node = static_cast<std::uint8_t>(frame.identifier & 0x7F);
   const auto base = static_cast<std::uint16_t>(frame.identifier & ~0x7F);
   if (base == canopen::kEmergencyBase && node != 0) {
@@ -87,6 +87,7 @@ void TelemetryReader::read_controller(std::uint16_t base, const hal::CanFrame& f
   };
   switch (base) {
     case canopen::kTpdo1Base:
+      if (frame.size != 8) return;
       telemetry_.state = static_cast<behaviour::State>(frame.data[0]);
       telemetry_.reason = static_cast<behaviour::Reason>(frame.data[1]);
       telemetry_.motion = frame.data[2];

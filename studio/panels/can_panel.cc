@@ -34,6 +34,8 @@ QString kind_name(bus::FrameKind kind) {
       return QStringLiteral("SDO");
     case bus::FrameKind::kHeartbeat:
       return QStringLiteral("heartbeat");
+    case bus::FrameKind::kLss:
+      return QStringLiteral("LSS");
     case bus::FrameKind::kOther:
       return QStringLiteral("other");
   }
@@ -64,10 +66,16 @@ void FrameModel::update() {
       endRemoveRows();
     }
     seen_ = count;
+    segments_.clear();
+    blocks_ = {};
+    for (std::size_t i = 0; i < count; ++i) segments_.push_back(blocks_.follow(recording_->frames[i].frame));
   }
   std::vector<std::uint32_t> added;
-  for (; seen_ < count; ++seen_)
-    if (passes(recording_->frames[seen_].frame)) added.push_back(static_cast<std::uint32_t>(seen_));
+  for (; seen_ < count; ++seen_) {
+    const hal::CanFrame& frame = recording_->frames[seen_].frame;
+    segments_.push_back(blocks_.follow(frame));
+    if (passes(frame)) added.push_back(static_cast<std::uint32_t>(seen_));
+  }
   if (added.empty()) return;
   beginInsertRows({}, static_cast<int>(rows_.size()), static_cast<int>(rows_.size() + added.size()) - 1);
   rows_.insert(rows_.end(), added.begin(), added.end());
@@ -77,6 +85,8 @@ void FrameModel::update() {
 void FrameModel::reset() {
   beginResetModel();
   seen_ = 0;
+  segments_.clear();
+  blocks_ = {};
   rows_.clear();
   endResetModel();
   update();
@@ -127,8 +137,9 @@ QString FrameModel::sender_of(const hal::CanFrame& frame) const {
   return kind_name(bus::kind_of(frame));
 }
 
-QString FrameModel::meaning_of(const hal::CanFrame& frame) const {
-  const std::string described = bus::describe(frame, names_);
+QString FrameModel::meaning_of(std::uint32_t row) const {
+  const hal::CanFrame& frame = recording_->frames[row].frame;
+  const std::string described = bus::describe(frame, names_, segments_[row]);
   if (!described.empty()) return QString::fromStdString(described);
   QStringList readings;
   for (const bus::Reading& reading : bus::decode(network_, frame)) {
@@ -161,7 +172,7 @@ QVariant FrameModel::data(const QModelIndex& index, int role) const {
       return text.mid(text.indexOf(QLatin1Char('#')) + 1);
     }
     case kMeaning:
-      return meaning_of(frame.frame);
+      return meaning_of(rows_[static_cast<std::size_t>(index.row())]);
   }
   return {};
 }

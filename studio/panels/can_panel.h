@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bus/can/describe.h"
+#include "bus/can/sdo_blocks.h"
 #include "bus/dictionary/network.h"
 #include "studio/panels/node_table.h"
 #include "view/recording/recording.h"
@@ -49,7 +50,7 @@ class FrameModel final : public QAbstractTableModel {
   static constexpr std::size_t kIdentifiers = 2048;
 
   QString sender_of(const hal::CanFrame& frame) const;
-  QString meaning_of(const hal::CanFrame& frame) const;
+  QString meaning_of(std::uint32_t row) const;  // an index of the recording
   bool passes(const hal::CanFrame& frame);
 
   const view::Recording* recording_ = nullptr;
@@ -58,7 +59,9 @@ class FrameModel final : public QAbstractTableModel {
   QString filter_;
   std::vector<signed char> passing_;  // by identifier: 1 shown, 0 not, -1 unknown
   std::size_t seen_ = 0;              // frames of the recording
-  std::vector<std::uint32_t> rows_;   // indices of frames
+  bus::SdoBlocks blocks_;
+  std::vector<bool> segments_;       // frames of the recording that are segments of SDO blocks
+  std::vector<std::uint32_t> rows_;  // indices of frames
 };
 
 // The CAN bus of a run: frames at the cursor, filtered, and counters.

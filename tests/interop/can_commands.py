@@ -115,6 +115,25 @@ class Logs(Files):
         self.assertEqual(pipe.returncode, 2)
         self.assertIn("--times delta reads", pipe.stderr)
 
+    def test_dump_knows_the_segments_of_block_transfers(self):
+        frames = ["610#C600210107000000", "590#A40021017F000000", "610#8118100100000000", "590#A2017F0000000000", "610#C100000000000000",
+                  "590#A100000000000000", "610#4018100100000000"]
+        log = self.write("block.log", "".join(f"(1.{number:06}) can0 {frame}\n" for number, frame in enumerate(frames)))
+        text = run("can", "dump", log).stdout
+        self.assertIn("610#8118100100000000    SDO node 16: block segment 1, the last\n", text)
+        self.assertIn("610#4018100100000000    SDO node 16: read 1018:01\n", text)
+        # Also without the answers, which the filter leaves out.
+        self.assertIn("block segment 1, the last", run("can", "dump", log, "--id", "610").stdout)
+        self.assertEqual(run("can", "export", log, "--out", self.folder / "block.csv").returncode, 0)
+        self.assertIn("block segment 1, the last", (self.folder / "block.csv").read_text())
+
+    def test_dump_shows_layer_setting_services(self):
+        log = self.write("lss.log", "(1.0) can0 7E5#1128000000000000\n(1.1) can0 7E4#1100000000000000\n(1.2) can0 181#00\n")
+        lines = run("can", "dump", log, "--kind", "lss").stdout.splitlines()
+        self.assertEqual([line.split("  ")[-1] for line in lines],
+                         ["LSS master: configure node id 40", "LSS slave: configure node id done"])
+        self.assertIn("LSS", run("can", "stats", log).stdout)
+
     def test_reads_logs_of_other_systems(self):
         log = self.write("mac.log", "\ufeff(1.000000) can0 181#00\r(1.000100) can0 181#00\r")
         self.assertEqual(len(run("can", "dump", log).stdout.splitlines()), 2)
@@ -290,6 +309,45 @@ class LiveBus(Files):
         other = run("can", "dcf", 36, dcf, "--write", "--can", BUS)
         self.assertEqual(other.returncode, 1)
         self.assertIn("nothing is written", other.stderr)
+
+    def test_dcf_writes_what_is_locked_while_it_is_in_use(self):
+        eds = (ROOT / "docs/reference/drive.eds").read_text()
+
+        def write(**values):
+            text = eds
+            for section, value in values.items():
+                head = f"[{section.removeprefix('o')}]\n"
+                self.assertIn(head, text)
+                text = text.replace(head, f"{head}ParameterValue={value}\n")
+            dcf = self.folder / "drive.dcf"
+            dcf.write_text(text + "\n[DeviceComissioning]\nNodeID=18\n")
+            written = run("can", "dcf", 18, dcf, "--write", "--can", BUS)
+            self.assertEqual(written.returncode, 0, written.stdout + written.stderr)
+
+        write(o1400sub1="$NODEID+0x300", o1600sub0=1, o1600sub1="0x60400010", o1401sub1="$NODEID+0x200", o1601sub0=1,
+              o1601sub1="0x60600008")
+        write(o1016sub1="0x010064", o1016sub2="0x020064")
+        write(o1016sub1="0x020064", o1016sub2="0x010064")
+        write(o1014="0xB0", o1006=10000, o1019=10, o1017=500, o1020sub1=15000, o1020sub2=1000)
+        write(o1600sub2="0x607A0020")
+        self.assertTrue(run("can", "sdo", "read", 18, "1600:0", "--can", BUS).stdout.startswith("0x01"))
+        self.assertTrue(run("can", "sdo", "read", 18, "1400:1", "--can", BUS).stdout.startswith("0x00000312"))
+
+    def test_lss_assigns_no_node_id_in_use(self):
+        self.assertEqual(run("can", "lss", "set-node", "none", "--node", 35, "--can", BUS).returncode, 0)
+        run("can", "nmt", "reset-communication", 35, "--can", BUS)
+        for command in (("find", "--assign", 34), ("find", "--assign", 36)):
+            refused = run("can", "lss", *command, "--can", BUS)
+            self.assertEqual(refused.returncode, 1, refused.stdout)
+            self.assertRegex(refused.stderr, f"^koboshi: node id {command[-1]} is in use by Koboshi [a-z ]+, 4B4F4249:[0-9A-F:]+: nothing is "
+                                             "assigned to a slave without a node id\n$")
+        self.assertEqual(run("can", "sdo", "read", 34, "1018:4", "--can", BUS).returncode, 0)
+        given = run("can", "lss", "find", "--assign", 35, "--can", BUS)
+        self.assertEqual(given.returncode, 0, given.stderr)
+        self.assertRegex(given.stdout, "^4B4F4249:[0-9A-F:]+  node 35\n$")
+        warned = run("can", "lss", "set-node", 34, "--node", 35, "--can", BUS)
+        self.assertEqual(warned.returncode, 0, warned.stderr)
+        self.assertIn("node id 34 is in use by Koboshi servo drive", warned.stderr)
 
     def test_foreign_frames_do_not_end_the_reading(self):
         dump = self.start("can", "dump", "--can", BUS, "--kind", "foreign", "--count", 3)

@@ -160,6 +160,13 @@ class BadInput(unittest.TestCase):
                 self.assertIn("found ", result.stderr)
                 self.assertNotIn("none0", result.stderr)
 
+    def test_a_folder_is_no_file_to_download(self):
+        folder = self.folder / "images"
+        folder.mkdir()
+        for name, found in ((folder, "a folder"), (self.folder / "none", "no such file")):
+            result = PROGRAM.run("can", "sdo", "download", "16", "1017", name, "--can", "socketcan:none0")
+            self.assertEqual((result.returncode, result.stderr), (2, f"{name}: found {found}, expected a file to download\n"))
+
     def test_what_nobody_sees_is_shown(self):
         for arguments in (["run", "a\u202eb.yaml"], ["can", "send", "12\u200b3"], ["can", "dump", "x", "--no\u2066pe"],
                           ["can", "sdo", "read", "1", "10\u00a018"], ["da\u202ance"]):

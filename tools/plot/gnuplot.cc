@@ -72,8 +72,8 @@ bool succeeds(const std::string& script_path, const MemoryFile& messages) {
   pid_t child = 0;
   const int error = hal::spawn({"gnuplot", script_path},
                                {.errors = messages.descriptor(), .environment = environment.data()}, child);
-  if (error == ENOENT) throw PlotError("no figures: gnuplot is not installed (apt install gnuplot-nox)");
-  if (error != 0) throw PlotError("no figures: gnuplot does not start: " + std::string(std::strerror(error)));
+  if (error == ENOENT) throw PlotError("gnuplot is not installed (apt install gnuplot-nox)");
+  if (error != 0) throw PlotError("gnuplot does not start: " + std::string(std::strerror(error)));
   const int status = hal::wait_for_child(child);
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }

@@ -79,12 +79,14 @@ Ending play(simulation::Simulation& simulation, simulation::RunRecorder& recorde
   return {};
 }
 
-void draw_figures(const simulation::Simulation& simulation, const Columns& trace,
-                  const std::filesystem::path& folder) {
+// Returns which figures are left out, and why; empty: none.
+[[nodiscard]] std::string draw_figures(const simulation::Simulation& simulation, const Columns& trace,
+                                       const std::filesystem::path& folder) {
   const simulation::Scenario played = simulation.played();
   draw_run_figures(played, trace, folder);
   const simulation::GaitPlan* plan = simulation.gait_plan();
-  draw_walk_figures(trace, simulation.robot(), plan ? plan->cycle_s() : commanded_cycle_s(played), folder);
+  return draw_walk_figures(trace, simulation.robot(), plan ? plan->cycle_s() : commanded_cycle_s(played),
+                           folder);
 }
 
 void add_ending(const Ending& ending, const simulation::Simulation& simulation, simulation::EventLog& events,
@@ -162,9 +164,10 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   if (ending.signal && !live.is_live()) throw Interrupted(*ending.signal, how_far(simulation, options.out));
   live.release_signals();
   try {
-    draw_figures(simulation, trace.columns(), options.out);
+    const std::string left_out = draw_figures(simulation, trace.columns(), options.out);
+    if (!left_out.empty()) result.plot_warning = left_out;
   } catch (const PlotError& error) {
-    result.plot_warning = error.what();
+    result.plot_warning = "no figures: " + std::string(error.what());
   }
   if (!result.failure)
     simulation::write_json(options.out / "summary.json", simulation::to_json(result.summary));

@@ -54,7 +54,7 @@ struct RunResult {
   // The error that ended the run early, such as a simulation that diverged or a fault of the firmware.
   std::optional<std::string> failure;
   nlohmann::ordered_json live;              // LiveLink::report
-  std::optional<std::string> plot_warning;  // why there are no figures
+  std::optional<std::string> plot_warning;  // which figures are missing, and why
 };
 
 // `koboshi run`: plays a scenario, as fast as possible or in real time. Writes trace.csv, can.log,

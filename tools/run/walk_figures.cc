@@ -220,15 +220,23 @@ PlaneFigure zmp_figure(const Columns& trace, const sim_board::RobotDescription& 
   return figure;
 }
 
-void draw_walk_figures(const Columns& trace, const sim_board::RobotDescription& robot, double cycle_s,
-                       const std::filesystem::path& folder) {
+std::string draw_walk_figures(const Columns& trace, const sim_board::RobotDescription& robot, double cycle_s,
+                              const std::filesystem::path& folder) {
   const std::optional<Span> time_s = walk_to_show(trace, cycle_s);
-  if (!time_s) return;
-  draw(zmp_figure(trace, robot, *time_s), folder / "zmp");
+  if (!time_s) return {};
+  // A single frame with this state, for example one that another node has sent.
+  if (time_s->high <= time_s->low)
+    return fmt::format("no figures zmp, joints and attitude: the walk at {:.2f} s has a single sample",
+                       time_s->low);
+  const PlaneFigure zmp = zmp_figure(trace, robot, *time_s);
+  if (!zmp.curves.empty()) draw(zmp, folder / "zmp");
   draw(joints_figure(*time_s), trace, folder / "joints");
   Figure attitude = attitude_figure(*time_s);
   attitude.note = offset_note(trace, *time_s);
   draw(attitude, trace, folder / "attitude");
+  if (!zmp.curves.empty()) return {};
+  return fmt::format("no figure zmp: no ZMP was planned or measured from {:.2f} s to {:.2f} s", time_s->low,
+                     time_s->high);
 }
 
 }  // namespace koboshi::tools

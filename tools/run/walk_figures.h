@@ -27,8 +27,9 @@ PlaneFigure zmp_figure(const Columns& trace, const sim_board::RobotDescription& 
 double commanded_cycle_s(const simulation::Scenario& scenario);
 
 // Draws the figures of a walk, if there is one, as PNG and SVG: zmp.*, joints.* (targets and positions of the
-// legs) and attitude.*. Throws PlotError.
-void draw_walk_figures(const Columns& trace, const sim_board::RobotDescription& robot, double cycle_s,
-                       const std::filesystem::path& folder);
+// legs) and attitude.*. Returns which of them are left out because they would be empty, and why; empty: none.
+// Throws PlotError.
+[[nodiscard]] std::string draw_walk_figures(const Columns& trace, const sim_board::RobotDescription& robot,
+                                            double cycle_s, const std::filesystem::path& folder);
 
 }  // namespace koboshi::tools

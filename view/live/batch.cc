@@ -79,10 +79,11 @@ void BatchMaker::add_push(const Push& push) { pushes_.push_back(push); }
 void BatchMaker::add_frame(const Frame& one) {
   const hal::CanFrame& frame = one.frame;
   const bus::FrameKind kind = bus::kind_of(frame);
+  const bool is_segment = blocks_.follow(frame);
   std::uint16_t text = kNoText;
   if (kind != bus::FrameKind::kPdo && texts_.size() < kNoText) {
     text = static_cast<std::uint16_t>(texts_.size());
-    texts_.push_back(bus::describe(frame));
+    texts_.push_back(bus::describe(frame, {}, is_segment));
   }
   put(frame_bytes_, static_cast<double>(one.end_us));
   put(frame_bytes_, frame.identifier);
@@ -119,7 +120,9 @@ Batch BatchMaker::take() {
               .samples = times_us_.size(),
               .frames = frames_};
   if (!marks.empty()) batch.marks = batch_of({0, 0, 0, links_, signals_}, {}, marks);
-  *this = BatchMaker(links_, signals_);
+  BatchMaker next(links_, signals_);
+  next.blocks_ = std::move(blocks_);
+  *this = std::move(next);
   return batch;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bus/can/sdo_blocks.h"
 #include "view/recording/recording.h"
 
 namespace koboshi::view {
@@ -58,6 +59,7 @@ class BatchMaker {
   std::string frame_bytes_;
   std::uint64_t frames_ = 0;
   std::vector<std::string> texts_;
+  bus::SdoBlocks blocks_;  // also across batches
   std::vector<Event> events_;
   std::vector<Push> pushes_;
 };

@@ -4,9 +4,11 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <tuple>
 
 #include "bus/can/describe.h"
+#include "bus/can/sdo_blocks.h"
 #include "bus/dictionary/object_names.h"
 #include "view/replay/column_pack.h"
 #include "view/replay/first_difference.h"
@@ -205,8 +207,9 @@ class Texts {
   std::vector<std::string> list_;
 };
 
+// `segments`: the frames that are segments of SDO blocks.
 ordered_json group_json(ColumnPack& pack, const FrameGroup& group, const bus::ObjectNames& names,
-                        Texts& texts) {
+                        const std::set<const hal::CanFrame*>& segments, Texts& texts) {
   const hal::CanFrame& first = *group.frames.front();
   const bus::FrameKind kind = bus::kind_of(first);
   ordered_json bytes = ordered_json::array();
@@ -217,16 +220,20 @@ ordered_json group_json(ColumnPack& pack, const FrameGroup& group, const bus::Ob
                        {"remote", first.remote},         {"kind", kind_text(kind)},
                        {"node", bus::node_of(first)},    {"bytes", bytes}};
   if (kind != bus::FrameKind::kPdo) {
-    json["texts"] = integer_column(
-        pack, group.frames, [&](const auto* frame) { return texts.index_of(bus::describe(*frame, names)); });
+    json["texts"] = integer_column(pack, group.frames, [&](const auto* frame) {
+      return texts.index_of(bus::describe(*frame, names, segments.contains(frame)));
+    });
   }
   return json;
 }
 
 ordered_json frames_json(ColumnPack& pack, const std::vector<Frame>& frames) {
   std::map<FrameKey, FrameGroup> groups;
+  std::set<const hal::CanFrame*> segments;
+  bus::SdoBlocks blocks;
   for (const Frame& one : frames) {
     const hal::CanFrame& frame = one.frame;
+    if (blocks.follow(frame)) segments.insert(&frame);
     groups[{frame.identifier, frame.size, frame.remote}].frames.push_back(&frame);
   }
   Texts texts;
@@ -234,7 +241,7 @@ ordered_json frames_json(ColumnPack& pack, const std::vector<Frame>& frames) {
   ordered_json list = ordered_json::array();
   for (auto& [key, group] : groups) {
     group.index = list.size();
-    list.push_back(group_json(pack, group, names, texts));
+    list.push_back(group_json(pack, group, names, segments, texts));
   }
   return {{"times", integer_column(pack, frames, [](const Frame& frame) { return frame.end_us; })},
           {"group", integer_column(pack, frames,
@@ -311,6 +318,8 @@ const char* kind_text(bus::FrameKind kind) {
       return "SDO";
     case bus::FrameKind::kHeartbeat:
       return "heartbeat";
+    case bus::FrameKind::kLss:
+      return "LSS";
     default:
       return "other";
   }

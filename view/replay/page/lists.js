@@ -61,7 +61,7 @@ class EventList {
   }
 }
 
-const CAN_KINDS = ["NMT", "SYNC", "EMCY", "TIME", "PDO", "SDO", "heartbeat", "other"];
+const CAN_KINDS = ["NMT", "SYNC", "EMCY", "TIME", "PDO", "SDO", "heartbeat", "LSS", "other"];
 const ROW_PX = 22;
 const HIGHEST_PX = 6e6;  // browsers limit the height of an element
 

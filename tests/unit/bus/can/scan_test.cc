@@ -82,6 +82,26 @@ TEST(Scan, AsksAgainWhileNothingAnswers) {
   EXPECT_EQ(result.nodes[0].node, 16);
 }
 
+TEST(FindNode, FindsTheNodeWithAnIdByAnswersAndHeartbeats) {
+  Nodes nodes;
+  nodes.servers = {{0x690, 0x6A4}, {0x611, 0x591}, {0x605, 0x585}};
+  for (const std::uint8_t node : {std::uint8_t{16}, std::uint8_t{17}, std::uint8_t{5}}) {
+    const auto found = find_node(nodes, node, 5'000);
+    ASSERT_TRUE(found) << int{node};
+    EXPECT_EQ(found->node, node);
+    EXPECT_EQ(found->identity[0], 0x20192u);
+  }
+  EXPECT_FALSE(nodes.requests.contains(0x610));  // the controller's channel of drive 16
+  nodes.requests.clear();
+  nodes.arrived.push_back({.identifier = 0x710, .size = 1, .data = {5}});
+  EXPECT_FALSE(find_node(nodes, 6, 5'000));
+  EXPECT_EQ(nodes.requests, std::set<std::uint16_t>{0x606});
+  nodes.arrived.push_back({.identifier = 0x706, .size = 1, .data = {4}});
+  const auto stopped = find_node(nodes, 6, 5'000);
+  ASSERT_TRUE(stopped);
+  EXPECT_FALSE(stopped->answers_sdo);
+}
+
 TEST(Scan, SaysWhatPassedWhereNothingAnswers) {
   Nodes nodes;
   const ScanResult silent = scan_bus(nodes, kShort);

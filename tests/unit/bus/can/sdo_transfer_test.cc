@@ -7,6 +7,7 @@
 #include <set>
 
 #include "firmware/app/dictionary.h"
+#include "firmware/canopen/sdo/protocol.h"
 #include "sim_board/drive/pc_sdo.h"
 #include "tests/unit/firmware/canopen/test_node.h"
 
@@ -163,6 +164,86 @@ TEST_F(SdoTransferTest, RepeatsLostSegments) {
   cable.lost_request = 20;  // a segment of the download's first block
   transfer.download({0x2100, 1}, pattern(3'000));
   EXPECT_EQ(domain.bytes, pattern(3'000));
+}
+
+// A server of one object that supports block transfers in one block, without or with checksums (CiA 301,
+// 7.2.4.3.9 to 7.2.4.3.15).
+class BlockServer final : public sim_board::Transport {
+ public:
+  explicit BlockServer(bool with_crc) : with_crc_(with_crc) {}
+
+  bool send(const hal::CanFrame& frame, std::uint64_t) override {
+    const auto& data = frame.data;
+    const std::uint8_t crc_bit = with_crc_ ? 4 : 0;
+    if (in_download_) {
+      bytes.insert(bytes.end(), data.begin() + 1, data.end());
+      in_download_ = (data[0] & 0x80) == 0;
+      if (!in_download_) answer({0xA2, static_cast<std::uint8_t>(data[0] & 0x7F), 127});
+    } else if ((data[0] & 0xE1) == 0xC0) {
+      bytes.clear();
+      in_download_ = true;
+      answer({static_cast<std::uint8_t>(0xA0 | crc_bit), data[1], data[2], data[3], 127});
+    } else if ((data[0] & 0xE1) == 0xC1) {
+      bytes.resize(bytes.size() - (data[0] >> 2 & 7));
+      downloaded_crc = canopen::load_u16(&data[1]);
+      answer({0xA1});
+    } else if ((data[0] & 0xE3) == 0xA0) {
+      answer({static_cast<std::uint8_t>(0xC0 | crc_bit), data[1], data[2], data[3]});
+    } else if (data[0] == 0xA3) {
+      for (std::size_t i = 0; i < bytes.size(); i += 7) {
+        std::array<std::uint8_t, 8> segment{
+            static_cast<std::uint8_t>((i / 7 + 1) | (i + 7 >= bytes.size() ? 0x80 : 0))};
+        std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(i),
+                    std::min<std::size_t>(7, bytes.size() - i), segment.begin() + 1);
+        answer(segment);
+      }
+    } else if (data[0] == 0xA2) {
+      answer({static_cast<std::uint8_t>(0xC1 | (7 - bytes.size() % 7) % 7 << 2), wrong_crc});
+    } else if (data[0] == 0x80) {
+      ++aborts;
+    }
+    return true;
+  }
+  std::optional<hal::CanFrame> receive() override {
+    if (answers_.empty()) return std::nullopt;
+    const hal::CanFrame frame = answers_.front();
+    answers_.pop_front();
+    return frame;
+  }
+  std::string place() const override { return "a cable"; }
+
+  std::vector<std::uint8_t> bytes;
+  std::uint16_t downloaded_crc = 0xFFFF;
+  std::uint8_t wrong_crc = 0;
+  int aborts = 0;
+
+ private:
+  void answer(std::array<std::uint8_t, 8> data) {
+    answers_.push_back({.identifier = 0x585, .size = 8, .data = data});
+  }
+  bool with_crc_;
+  bool in_download_ = false;
+  std::deque<hal::CanFrame> answers_;
+};
+
+TEST_F(SdoTransferTest, TransfersBlocksWithoutAChecksumThatTheServerLacks) {
+  BlockServer server(false);
+  SdoTransfer blocks(server, 5);
+  blocks.download({0x2100, 1}, pattern(40));
+  EXPECT_EQ(server.bytes, pattern(40));
+  EXPECT_EQ(server.downloaded_crc, 0);
+  server.wrong_crc = 0x55;
+  EXPECT_EQ(blocks.upload({0x2100, 1}), pattern(40));
+  EXPECT_EQ(server.aborts, 0);
+}
+
+TEST_F(SdoTransferTest, RefusesBlocksWithAWrongChecksum) {
+  BlockServer server(true);
+  SdoTransfer blocks(server, 5);
+  blocks.download({0x2100, 1}, pattern(40));
+  EXPECT_EQ(server.downloaded_crc, canopen::crc16(0, pattern(40)));
+  EXPECT_EQ(code_of([&] { blocks.upload({0x2100, 1}); }), AbortCode::kCrcError);
+  EXPECT_EQ(server.aborts, SdoTransfer::kAttempts);
 }
 
 TEST_F(SdoTransferTest, ReportsItsProgress) {

@@ -161,6 +161,38 @@ TEST_F(EventLogTest, RecordsACommandBySdo) {
   EXPECT_THAT(texts(), Contains("Command play fall_front: obeyed."));
 }
 
+// The data of the block begin with sequence number 0x2F, like an expedited download of one byte.
+TEST_F(EventLogTest, TakesNoDataOfABlockTransferForACommand) {
+  hear(0x601, 8, {0xC6, 0x00, 0x21, 1, 0x4D, 1, 0, 0});
+  hear(0x581, 8, {0xA4, 0x00, 0x21, 1, 127, 0, 0, 0});
+  for (std::uint8_t sequence = 1; sequence < 0x30; ++sequence)
+    hear(0x601, 8, {sequence, 0x00, 0x20, 1, 3, 0, 0, 0});
+  play_until(0.1);
+  EXPECT_EQ(texts().size(), 1u);  // the end
+  hear(0x601, 8, {0x80, 0x00, 0x21, 1, 0, 0, 0, 8});
+  hear(0x601, 8, {0x2F, 0x00, 0x20, 1, 3, 0, 0, 0});
+  play_until(0.2);
+  EXPECT_THAT(texts(), Contains("Command play squat: obeyed."));
+}
+
+TEST_F(EventLogTest, HearsCommandsAgainAfterAResetWithinABlock) {
+  hear(0x601, 8, {0xC6, 0x00, 0x21, 1, 0x4D, 1, 0, 0});
+  hear(0x581, 8, {0xA4, 0x00, 0x21, 1, 127, 0, 0, 0});
+  hear(0x701, 1, {0});
+  hear(0x601, 8, {0x2F, 0x00, 0x20, 1, 3, 0, 0, 0});
+  play_until(0.1);
+  EXPECT_THAT(texts(), Contains("Command play squat: obeyed."));
+}
+
+TEST_F(EventLogTest, ReadsNoRemoteFrame) {
+  for (const std::uint16_t identifier : std::vector<std::uint16_t>{0x201, 0x301, 0x601, 0x181, 0x090})
+    log_.on_bus_frame({.identifier = identifier, .size = 8, .remote = true, .data = {0x2F, 0x00, 0x20, 1, 3}},
+                      now_us_, said_);
+  log_.on_bus_frame({.identifier = 0x201, .size = 3, .remote = true, .data = {3}}, now_us_, said_);
+  play_until(0.1);
+  EXPECT_EQ(texts().size(), 1u);  // the end
+}
+
 TEST_F(EventLogTest, ReportsTheVelocityOfAWalk) {
   hear(0x301, 6, {150, 0, 0xCE, 0xFF, 0x90, 0x01});
   hear(0x201, 3, {7, 0, 0});

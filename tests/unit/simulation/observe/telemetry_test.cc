@@ -51,6 +51,18 @@ TEST_F(TelemetryOfFrames, PassesOverRemoteFrames) {
   EXPECT_NE(reader_.now().joints[0].position_rad, 0.0);
 }
 
+// A remote frame asks for the state, a short one has not all of it.
+TEST_F(TelemetryOfFrames, ReadsNoRemoteAndNoShortFrameAsTheState) {
+  hear(0x181, 8, {6, 17, 3, 5, 9, 1, 0, 39});
+  reader_.on_bus_frame({.identifier = 0x181, .size = 8, .remote = true}, 0, 100);
+  reader_.on_bus_frame({.identifier = 0x190, .size = 8, .remote = true}, 0, 100);
+  reader_.on_bus_frame({.identifier = 0x091, .size = 8, .remote = true, .data = {1}}, 0, 100);
+  hear(0x181, 2, {9, 1});
+  EXPECT_EQ(reader_.now().state, behaviour::State::kFault);
+  EXPECT_EQ(reader_.now().faulty_joint, 9);
+  EXPECT_EQ(reader_.now().emergencies, 0u);
+}
+
 TEST_F(TelemetryOfFrames, ShowsAttitudeInRadians) {
   // Roll 2^12 and pitch -2^13, in units of 2^-16 turns; rates 2^10 and -2^11, in units of 2^-12 turns/s.
   hear(0x281, 8, {0x00, 0x10, 0x00, 0xE0, 0x00, 0x04, 0x00, 0xF8});

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <set>
 
+#include "base/file/temporary_folder.h"
 #include "firmware/behaviour/behaviour.h"
 #include "tools/run/run_figures.h"
 
@@ -86,6 +89,36 @@ TEST(WalkFigures, OmitTheZmpOfAnUnloadedFoot) {
     EXPECT_FALSE(std::isnan(curve.points[2].x));
   }
   EXPECT_NEAR(figure.curves[0].points[0].y, 40.0, 1e-9);
+}
+
+// A frame with the state walking, sent by another node: the robot lies, and has no ZMP.
+TEST(WalkFigures, OmitTheZmpOfAWalkWithoutOneAndDrawTheOthers) {
+  const TemporaryFolder folder;
+  const auto trace_of_walk = [](std::size_t rows_of_walk) {
+    std::set<std::string> names = walk_columns();
+    names.insert("time_s");
+    Columns trace;
+    for (const std::string& name : names) {
+      trace.push_back({name, std::vector<double>(8, name.find("zmp") != std::string::npos ? kNaN : 0.0)});
+      for (std::size_t row = 0; row < 8; ++row) {
+        if (name == "time_s") trace.back().second[row] = kStep_s * static_cast<double>(row);
+        if (name == "state" && row >= 2 && row < 2 + rows_of_walk)
+          trace.back().second[row] = static_cast<double>(behaviour::State::kWalking);
+      }
+    }
+    return trace;
+  };
+  sim_board::RobotDescription robot;
+  robot.links.resize(1);
+  robot.links[0].mass_kg = 1.2;
+  EXPECT_EQ(draw_walk_figures(trace_of_walk(1), robot, 0.5, folder.path()),
+            "no figures zmp, joints and attitude: the walk at 0.20 s has a single sample");
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  EXPECT_EQ(draw_walk_figures(trace_of_walk(3), robot, 0.5, folder.path()),
+            "no figure zmp: no ZMP was planned or measured from 0.20 s to 0.40 s");
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "joints.svg"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "attitude.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "zmp.gnuplot"));
 }
 
 TEST(ShownTrace, KeepsTheColumnsOfTheFigures) {
