@@ -11,6 +11,7 @@
 #include "firmware/canopen/frame.h"
 #include "firmware/canopen/node/device_services.h"
 #include "firmware/canopen/pdo.h"
+#include "sim_board/drive/pc_sdo.h"
 
 namespace koboshi::bus {
 namespace {
@@ -153,18 +154,30 @@ Object sdo_server() {
                       with_node_id(canopen::kSdoResponseBase))});
 }
 
+std::string second_sdo_comment() {
+  std::string comment =
+      "A channel for a second client, beside the first and independent of it; bit 31: it is not in use. "
+      "After a "
+      "reset only drives have it in use:";
+  for (const sim_board::PcSdoRange& range : sim_board::kPcSdoRanges) {
+    comment += fmt::format(" nodes {} to {} $NODEID+0x{:X} and $NODEID+0x{:X}{}", range.first_node,
+                           range.first_node + sim_board::kPcSdoNodes - 1, range.request_base,
+                           range.response_base, &range == &sim_board::kPcSdoRanges.back() ? "." : ",");
+  }
+  return comment;
+}
+
+// Without a default value where it depends on the node id by more than a sum ($NODEID and an offset, CiA
+// 306-1): a drive's channel by the range of its node id.
 Object second_sdo_server(const canopen::SdoChannel& channel) {
-  const auto cob_id = [&](std::uint32_t value) {
-    return channel.plus_node_id ? with_node_id(value) : hex(value);
-  };
-  return record(
-      0x1201, "SDO server parameter",
-      {item(0x1201, 1, "COB-ID client to server", DataType::kUnsigned32, "rw",
-            cob_id(channel.request_cob_id)),
-       item(0x1201, 2, "COB-ID server to client", DataType::kUnsigned32, "rw",
-            cob_id(channel.response_cob_id)),
-       item(0x1201, 3, "Node-ID of the SDO client", DataType::kUnsigned8, "rw")},
-      "A channel for a second client, beside the first and independent of it; bit 31: it is not in use.");
+  const auto cob_id = [&](std::uint32_t value) { return channel.plus_node_id ? std::string() : hex(value); };
+  return record(0x1201, "SDO server parameter",
+                {item(0x1201, 1, "COB-ID client to server", DataType::kUnsigned32, "rw",
+                      cob_id(channel.request_cob_id)),
+                 item(0x1201, 2, "COB-ID server to client", DataType::kUnsigned32, "rw",
+                      cob_id(channel.response_cob_id)),
+                 item(0x1201, 3, "Node-ID of the SDO client", DataType::kUnsigned8, "rw")},
+                second_sdo_comment());
 }
 
 // The stack answers no remote frames; bit 30 of every TPDO says so after a reset.

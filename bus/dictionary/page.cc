@@ -260,11 +260,11 @@ target in the RPDO that brings the enabling controlword counts.
 
 The same check judges a value whichever service brings it: SDO, an RPDO, or stored parameters. A value in an RPDO that its
 object does not take is ignored, with error 6320 and, in the manufacturer field of the emergency message, the object's
-index (2 bytes), its sub-index and the number of the RPDO from 1. Each object has a message when its refusal begins. The
-rest of the RPDO is processed.
+index (2 bytes), its sub-index and the number of the RPDO from 1. Each object has a message, and an entry of the error
+history 1003, when its refusal begins. The rest of the RPDO is processed.
 
 Bit 11 of the statusword is set while any of these limits or 607D holds the drive back and while a ramp is steepened, and
-2002 adds up that time.
+2002 adds up that time. Bit 4 is set, in every state, while the drive's supply is above half its nominal voltage.
 
 | object | default | highest of the scenarios | margin |
 | --- | --- | --- | --- |

@@ -1,5 +1,6 @@
 #include "bus/dictionary/node_kinds.h"
 
+#include <initializer_list>
 #include <map>
 #include <string>
 
@@ -29,16 +30,16 @@ template <typename Values, typename Memory>
 class RealNode final : private canopen::NodeApplication, private canopen::DeviceOwner {
  public:
   // The controller's, with its drives.
-  explicit RealNode(const NodeKind& kind, const robot::RobotModel& robot = {})
+  explicit RealNode(const NodeKind& kind, const robot::RobotModel& robot = {}, std::uint8_t node_id = kNodeId)
       : robot_(robot),
         services_({1, 2, 3, 7}, *this),
         node(kind.description,
-             {.node_id = kNodeId,
+             {.node_id = node_id,
               .serial_number = 7,
               .values = std::as_writable_bytes(std::span(&values_, 1)),
               .services = kind.description.field_device ? &services_ : nullptr},
              memory_.buffers(), sink_, *this) {
-    services_.start(kNodeId);
+    services_.start(node_id);
     node.start(0);
   }
 
@@ -58,13 +59,14 @@ class RealNode final : private canopen::NodeApplication, private canopen::Device
   canopen::Node node;
 };
 
-std::int64_t number_of(const std::string& text) {
+std::int64_t number_of(const std::string& text, std::uint8_t node_id) {
   const std::string prefix = "$NODEID+";
-  if (text.starts_with(prefix)) return kNodeId + std::stoll(text.substr(prefix.size()), nullptr, 0);
+  if (text.starts_with(prefix)) return node_id + std::stoll(text.substr(prefix.size()), nullptr, 0);
   return std::stoll(text, nullptr, 0);
 }
 
-void expect_default(const ObjectItem& item, const canopen::ObjectValue& value) {
+void expect_default(const ObjectItem& item, const canopen::ObjectValue& value,
+                    std::uint8_t node_id = kNodeId) {
   if (item.default_value.empty()) return;
   if (item.data_type == kVisibleString) {
     const auto bytes = value.bytes();
@@ -72,7 +74,7 @@ void expect_default(const ObjectItem& item, const canopen::ObjectValue& value) {
     return;
   }
   const std::uint64_t mask = (std::uint64_t{1} << size_bits(item.data_type)) - 1;
-  EXPECT_EQ(value.number(), static_cast<std::uint64_t>(number_of(item.default_value)) & mask);
+  EXPECT_EQ(value.number(), static_cast<std::uint64_t>(number_of(item.default_value, node_id)) & mask);
 }
 
 void expect_item(canopen::Node& node, const ObjectItem& item) {
@@ -144,6 +146,27 @@ TEST(Controller, HasThePdosAndConsumersOfItsDrives) {
 
 TEST(Drive, HasTheObjectsOfItsDataSheetAndNoOthers) {
   expect_true<sim_board::DriveValues, canopen::NodeMemory<4, 4, 2, 8>>(drive_kind());
+}
+
+// One data sheet serves the drives of all node ids: those of both ranges with a second SDO channel, and
+// others.
+TEST(Drive, HasTheDefaultsOfItsDataSheetWithAnyNodeId) {
+  const NodeKind sheet = drive_kind();
+  for (const std::uint8_t node_id : std::initializer_list<std::uint8_t>{1, 15, 16, 35, 36, 39, 58, 59, 127}) {
+    NodeKind own = sheet;
+    own.description = sim_board::drive_node_description({.node_id = node_id});
+    RealNode<sim_board::DriveValues, canopen::NodeMemory<4, 4, 2, 8>> real(own, {}, node_id);
+    for (const Object& object : sheet.objects) {
+      for (const ObjectItem& item : object.items) {
+        canopen::ObjectValue value;
+        if (real.node.read_object(item.address, value) != AbortCode::kNone) continue;
+        if (object.index == 0x1018) continue;  // the maker's, of the description
+        SCOPED_TRACE(testing::Message() << "node " << int{node_id} << ", " << std::hex << object.index
+                                        << " sub " << int{item.address.subindex} << ": " << item.name);
+        expect_default(item, value, node_id);
+      }
+    }
+  }
 }
 
 TEST(Sensor, HasTheObjectsOfItsDataSheetAndNoOthers) {
