@@ -1,5 +1,6 @@
 #include "bus/dictionary/node_kinds.h"
 
+#include <initializer_list>
 #include <map>
 #include <string>
 
@@ -151,7 +152,7 @@ TEST(Drive, HasTheObjectsOfItsDataSheetAndNoOthers) {
 // others.
 TEST(Drive, HasTheDefaultsOfItsDataSheetWithAnyNodeId) {
   const NodeKind sheet = drive_kind();
-  for (const std::uint8_t node_id : {1, 15, 16, 35, 36, 39, 58, 59, 127}) {
+  for (const std::uint8_t node_id : std::initializer_list<std::uint8_t>{1, 15, 16, 35, 36, 39, 58, 59, 127}) {
     NodeKind own = sheet;
     own.description = sim_board::drive_node_description({.node_id = node_id});
     RealNode<sim_board::DriveValues, canopen::NodeMemory<4, 4, 2, 8>> real(own, {}, node_id);

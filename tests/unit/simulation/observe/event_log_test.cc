@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <initializer_list>
 #include <numbers>
 #include <string>
 
@@ -308,7 +309,7 @@ TEST_F(EventLogTest, DoesNotCountLyingAtTheStartAsAFall) {
 TEST_F(EventLogTest, PassesOverRemoteFrames) {
   play_until(1.0);
   const std::vector<std::string> before = texts();
-  for (const std::uint16_t identifier : {0x090, 0x201, 0x301}) {
+  for (const std::uint16_t identifier : std::initializer_list<std::uint16_t>{0x090, 0x201, 0x301}) {
     log_.on_bus_frame({.identifier = identifier, .size = 8, .remote = true, .data = {0x10, 0x23}}, now_us_,
                       said_);
   }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <initializer_list>
 #include <numbers>
 
 namespace koboshi::simulation {
@@ -44,7 +45,7 @@ TEST_F(TelemetryOfFrames, ShowsTheStateOfTheController) {
 TEST_F(TelemetryOfFrames, PassesOverRemoteFrames) {
   hear(0x190, 8, {0x37, 0x12, 0, 0, 0x08, 0, 0x10, 0});
   hear(0x181, 8, {6, 17, 3, 5, 9, 1, 0, 39});
-  for (const std::uint16_t identifier : {0x090, 0x181, 0x190})
+  for (const std::uint16_t identifier : std::initializer_list<std::uint16_t>{0x090, 0x181, 0x190})
     reader_.on_bus_frame({.identifier = identifier, .size = 8, .remote = true}, 0, 100);
   EXPECT_EQ(reader_.now().state, behaviour::State::kFault);
   EXPECT_EQ(reader_.now().joints[0].statusword, 0x1237);
