@@ -93,7 +93,7 @@ TEST(WalkFigures, OmitTheZmpOfAnUnloadedFoot) {
 
 // A frame with the state walking, sent by another node: the robot lies, and has no ZMP.
 TEST(WalkFigures, OmitTheZmpOfAWalkWithoutOneAndDrawTheOthers) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto trace_of_walk = [](std::size_t rows_of_walk) {
     std::set<std::string> names = walk_columns();
     names.insert("time_s");
