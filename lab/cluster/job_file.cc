@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "base/file/output_file.h"
 #include "base/text/error.h"
+#include "base/text/text.h"
 
 namespace koboshi::lab {
 namespace {
@@ -67,10 +66,9 @@ std::vector<std::string> job_command(const std::vector<std::string>& arguments) 
 
 JobFile read_job(const fs::path& folder) {
   const fs::path file = folder / kJobName;
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError(file, 0, "no such file", "one that koboshi lab submit or a shard has written");
+  const std::string text = read_text_file(file, "one that koboshi lab submit or a shard has written");
   try {
-    const Json json = Json::parse(std::string(std::istreambuf_iterator<char>(in), {}));
+    const Json json = Json::parse(text);
     if (json.at("version") != kJobVersion)
       throw InputError(file, 0, "version " + json.at("version").dump(), std::to_string(kJobVersion));
     return {json.at("command"), json.at("directory").get<std::string>(), json.at("shards"),

@@ -128,7 +128,7 @@ class Logs(Files):
         self.assertIn("block segment 1, the last", (self.folder / "block.csv").read_text())
 
     def test_dump_shows_layer_setting_services(self):
-        log = self.write("lss.log", "(1.0) can0 7E5#1128000000000000\n(1.1) can0 7E4#1100000000000000\n(1.2) can0 181#00\n")
+        log = self.write("lss.log", "(1.000000) can0 7E5#1128000000000000\n(1.100000) can0 7E4#1100000000000000\n(1.200000) can0 181#00\n")
         lines = run("can", "dump", log, "--kind", "lss").stdout.splitlines()
         self.assertEqual([line.split("  ")[-1] for line in lines],
                          ["LSS master: configure node id 40", "LSS slave: configure node id done"])

@@ -46,6 +46,17 @@ TEST(JobFile, IsReadAsItWasWritten) {
   EXPECT_EQ(read_file(folder / "job.json"), text);
 }
 
+TEST(JobFile, RefusesAFolderInItsPlace) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path / "job.json");
+  try {
+    static_cast<void>(read_job(folder.path));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("job.json: found a folder, expected one that koboshi lab submit"));
+  }
+}
+
 TEST(JobFile, RefusesShardsOfAnotherJob) {
   const TemporaryFolder folder;
   keep_job(folder.path, kJob);

@@ -8,8 +8,8 @@
 #include <limits>
 #include <set>
 
-#include "base/file/temporary_folder.h"
 #include "firmware/behaviour/behaviour.h"
+#include "tests/support/temporary_folder.h"
 #include "tools/run/run_figures.h"
 
 namespace koboshi::tools {
@@ -93,7 +93,7 @@ TEST(WalkFigures, OmitTheZmpOfAnUnloadedFoot) {
 
 // A frame with the state walking, sent by another node: the robot lies, and has no ZMP.
 TEST(WalkFigures, OmitTheZmpOfAWalkWithoutOneAndDrawTheOthers) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto trace_of_walk = [](std::size_t rows_of_walk) {
     std::set<std::string> names = walk_columns();
     names.insert("time_s");
@@ -111,14 +111,14 @@ TEST(WalkFigures, OmitTheZmpOfAWalkWithoutOneAndDrawTheOthers) {
   sim_board::RobotDescription robot;
   robot.links.resize(1);
   robot.links[0].mass_kg = 1.2;
-  EXPECT_EQ(draw_walk_figures(trace_of_walk(1), robot, 0.5, folder.path()),
+  EXPECT_EQ(draw_walk_figures(trace_of_walk(1), robot, 0.5, folder.path),
             "no figures zmp, joints and attitude: the walk at 0.20 s has a single sample");
-  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
-  EXPECT_EQ(draw_walk_figures(trace_of_walk(3), robot, 0.5, folder.path()),
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path));
+  EXPECT_EQ(draw_walk_figures(trace_of_walk(3), robot, 0.5, folder.path),
             "no figure zmp: no ZMP was planned or measured from 0.20 s to 0.40 s");
-  EXPECT_TRUE(std::filesystem::exists(folder.path() / "joints.svg"));
-  EXPECT_TRUE(std::filesystem::exists(folder.path() / "attitude.png"));
-  EXPECT_FALSE(std::filesystem::exists(folder.path() / "zmp.gnuplot"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path / "joints.svg"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path / "attitude.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path / "zmp.gnuplot"));
 }
 
 TEST(ShownTrace, KeepsTheColumnsOfTheFigures) {

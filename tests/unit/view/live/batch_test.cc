@@ -58,6 +58,16 @@ TEST(Batch, HoldsFramesWithKindNodeAndText) {
   EXPECT_EQ(read[0].json["texts"][0], "heartbeat node 16: operational");
 }
 
+// The block begins in one batch and goes on in the next; its segment looks like a read.
+TEST(Batch, KnowsSegmentsOfBlockTransfersThatBeganEarlier) {
+  BatchMaker maker(1, 0);
+  maker.add_frame({1, {.identifier = 0x610, .size = 8, .data = {0xC6, 0x00, 0x21, 1, 40}}});
+  maker.add_frame({2, {.identifier = 0x590, .size = 8, .data = {0xA4, 0x00, 0x21, 1, 127}}});
+  static_cast<void>(maker.take());
+  maker.add_frame({3, {.identifier = 0x610, .size = 8, .data = {0x40, 0x18, 0x10, 1}}});
+  EXPECT_EQ(read_batches(maker.take().bytes)[0].json["texts"][0], "SDO node 16: block segment 64");
+}
+
 TEST(Batch, HoldsEventsAndPushesAlsoByThemselves) {
   BatchMaker maker(1, 1);
   maker.add_sample(10'000, std::vector{pose_at(0.0F)}, {}, std::vector{1.0F});
