@@ -172,7 +172,7 @@ TEST(LiveView, GivesAPageThePastAndThenTheStream) {
   served.view.add_event({3'000, "state", "Stands."});
   Page page(served);
   const json control = json::parse(page.next());
-  EXPECT_EQ(control["kinds"].size(), 8u);
+  EXPECT_EQ(control["kinds"].size(), 9u);
   EXPECT_TRUE(control["keys"].empty());
   const std::string hello = page.next();
   std::uint32_t length = 0;
