@@ -54,10 +54,9 @@ void add_bench_command(CLI::App& program, Invocation&) {
   auto arguments = std::make_shared<BenchArguments>();
   CLI::App* command = program.add_subcommand("bench", "How fast and how accurate each stepper is");
   command->footer(
-      "Plays a walk, squats, and a robot that stands and one that lies in closed loop with every stepper, "
-      "in\n"
-      "turns of a quarter of a second, and the squats once more at a fine step as the reference. Times are\n"
-      "of the processor. Takes some minutes.\n\n"
+      "Plays a walk, squats, a standing and a lying robot in closed loop with every stepper, in turns of a\n"
+      "quarter of a second, and the squats once more at a fine step as the reference. Times are of the\n"
+      "processor. Takes some minutes.\n\n"
       "Examples:\n"
       "  koboshi bench\n"
       "  koboshi bench --json bench.json\n"

@@ -70,12 +70,20 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+// The robot stands on its feet, or lies, half a second after the stand has let go of it.
+std::uint64_t at_rest_us(const simulation::Scenario& scenario) {
+  return scenario.initial.release_us.value_or(0) + 500'000;
+}
+
 // One scenario on its way, with a clock that runs only while it is advanced, and the height of its trunk.
-// What comes before `measured_from_us` is not measured.
 class Trial {
  public:
-  explicit Trial(const simulation::Scenario& scenario, std::uint64_t measured_from_us = 0)
-      : simulation_(scenario), recorder_(simulation_, nullptr), measured_from_us_(measured_from_us) {}
+  enum class Measured : bool { kAll, kAtRest };
+
+  explicit Trial(const simulation::Scenario& scenario, Measured measured = Measured::kAll)
+      : simulation_(scenario),
+        recorder_(simulation_, nullptr),
+        measured_from_us_(measured == Measured::kAtRest ? at_rest_us(scenario) : 0) {}
 
   bool finished() const { return simulation_.finished() || blew_up_; }
 
@@ -162,11 +170,6 @@ double rms_m(const std::vector<double>& one_m, const std::vector<double>& other_
   return count > first ? std::sqrt(sum_m2 / static_cast<double>(count - first)) : 0.0;
 }
 
-// The robot stands on its feet, or lies, half a second after the stand has let go of it.
-std::uint64_t at_rest_us(const simulation::Scenario& scenario) {
-  return scenario.initial.release_us.value_or(0) + 500'000;
-}
-
 // The scenario until its duration after the robot has come to rest, with no commands but those that enable
 // the drives, if they are wanted.
 simulation::Scenario at_rest(simulation::Scenario scenario, bool with_drives) {
@@ -180,21 +183,15 @@ simulation::Scenario at_rest(simulation::Scenario scenario, bool with_drives) {
 // All scenarios with one stepper.
 struct Trials {
   Trials(const BenchOptions& options, const simulation::Physics& physics)
-      : Trials(options, at_rest(read(options.squat, physics, options.duration_s), true),
-               at_rest(read(options.lie, physics, options.duration_s), false), physics) {}
+      : walk(read(options.walk, physics, options.duration_s)),
+        squat(read(options.squat, physics, options.duration_s)),
+        stand(at_rest(read(options.squat, physics, options.duration_s), true), Trial::Measured::kAtRest),
+        lie(at_rest(read(options.lie, physics, options.duration_s), false), Trial::Measured::kAtRest) {}
 
   Trial walk;
   Trial squat;
   Trial stand;
   Trial lie;
-
- private:
-  Trials(const BenchOptions& options, const simulation::Scenario& standing, const simulation::Scenario& lying,
-         const simulation::Physics& physics)
-      : walk(read(options.walk, physics, options.duration_s)),
-        squat(read(options.squat, physics, options.duration_s)),
-        stand(standing, at_rest_us(standing)),
-        lie(lying, at_rest_us(lying)) {}
 };
 
 double wall_of_threads_s(const simulation::Scenario& scenario, int threads) {
