@@ -7,6 +7,7 @@
 
 #include "base/file/output_file.h"
 #include "base/text/error.h"
+#include "base/text/shell_word.h"
 #include "base/text/text.h"
 
 namespace koboshi::lab {
@@ -42,10 +43,7 @@ void check_same(const fs::path& file, const JobFile& found, const JobFile& wante
 
 std::string JobFile::command_line() const {
   std::string line = "koboshi";
-  for (const std::string& argument : command) {
-    const bool plain = argument.find_first_of(" \t\n'\"$&|;<>()[]{}*?#!\\`") == std::string::npos;
-    line += plain ? " " + argument : " '" + argument + "'";
-  }
+  for (const std::string& argument : command) line += " " + shell_word(argument);
   return line;
 }
 

@@ -4,6 +4,8 @@
 
 #include <sstream>
 
+#include "base/text/shell_word.h"
+
 namespace koboshi::lab {
 namespace {
 
@@ -21,14 +23,6 @@ std::string slurm_value(const std::string& text) {
 }
 
 }  // namespace
-
-std::string shell_word(const std::string& text) {
-  constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./@%";
-  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return word + "'";
-}
 
 std::string shard_script(const ScriptSetup& setup) {
   return fmt::format(

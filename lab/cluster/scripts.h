@@ -19,9 +19,6 @@ struct ScriptSetup {
   std::size_t jobs = 1;  // threads of a shard
 };
 
-// A word as a POSIX shell reads it.
-[[nodiscard]] std::string shell_word(const std::string& text);
-
 // shard.sh, which plays the shard whose number is its argument.
 [[nodiscard]] std::string shard_script(const ScriptSetup& setup);
 // submit.sbatch, a Slurm job array with a task for each shard. `options` are further ones of sbatch.

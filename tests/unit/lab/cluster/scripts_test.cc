@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/text/error.h"
+#include "base/text/shell_word.h"
 #include "lab/cluster/child.h"
 
 namespace koboshi::lab {
