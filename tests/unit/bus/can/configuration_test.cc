@@ -3,8 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <deque>
-
+#include "tests/unit/bus/can/far_end.h"
 #include "tests/unit/firmware/canopen/test_node.h"
 
 namespace koboshi::bus {
@@ -13,24 +12,14 @@ namespace {
 using canopen::ObjectAddress;
 
 // A node at the other end of a cable.
-class NodeOnCable final : public sim_board::Transport {
+class NodeOnCable final : public FarEnd {
  public:
   bool send(const hal::CanFrame& frame, std::uint64_t) override {
     for (const hal::CanFrame& answer : device.ask(frame)) answers_.push_back(answer);
     return true;
   }
-  std::optional<hal::CanFrame> receive() override {
-    if (answers_.empty()) return std::nullopt;
-    const hal::CanFrame frame = answers_.front();
-    answers_.pop_front();
-    return frame;
-  }
-  std::string place() const override { return "a cable"; }
 
   canopen::TestNode device{5, canopen::kTestDevice};
-
- private:
-  std::deque<hal::CanFrame> answers_;
 };
 
 // Objects of a DCF: address, size and value.

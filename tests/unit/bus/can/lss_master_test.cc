@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <deque>
 #include <list>
 
+#include "tests/unit/bus/can/far_end.h"
 #include "tests/unit/firmware/canopen/test_node.h"
 
 namespace koboshi::bus {
@@ -17,7 +17,7 @@ constexpr LssAddress kFirst{0x4B4F'4249, 1, 0x0001'0000, 0x0F36'0D10};
 constexpr LssAddress kSecond{0x4B4F'4249, 1, 0x0001'0000, 0x8000'0001};
 
 // LSS slaves at the other end of a cable.
-class Slaves final : public sim_board::Transport {
+class Slaves final : public FarEnd {
  public:
   struct Slave {
     LssSlave lss;
@@ -37,20 +37,12 @@ class Slaves final : public sim_board::Transport {
     for (const hal::CanFrame& answer : sink_.take()) answers_.push_back(answer);
     return true;
   }
-  std::optional<hal::CanFrame> receive() override {
-    if (answers_.empty()) return std::nullopt;
-    const hal::CanFrame frame = answers_.front();
-    answers_.pop_front();
-    return frame;
-  }
-  std::string place() const override { return "a cable"; }
 
   canopen::AbortCode store_result = canopen::AbortCode::kNone;
 
  private:
   std::list<Slave> slaves_;
   canopen::RecordingSink sink_;
-  std::deque<hal::CanFrame> answers_;
 };
 
 class LssMasterTest : public testing::Test {

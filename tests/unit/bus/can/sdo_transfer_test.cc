@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <deque>
 #include <numeric>
 #include <set>
 
 #include "firmware/app/dictionary.h"
 #include "firmware/canopen/sdo/protocol.h"
 #include "sim_board/drive/pc_sdo.h"
+#include "tests/unit/bus/can/far_end.h"
 #include "tests/unit/firmware/canopen/test_node.h"
 
 namespace koboshi::bus {
@@ -17,7 +17,7 @@ namespace {
 using canopen::AbortCode;
 
 // Our server, at the other end of a cable that may lose frames.
-class Cable final : public sim_board::Transport {
+class Cable final : public FarEnd {
  public:
   bool send(const hal::CanFrame& frame, std::uint64_t) override {
     if (++sent_ == lost_request) return true;
@@ -35,13 +35,6 @@ class Cable final : public sim_board::Transport {
       answers_.insert(answers_.end(), more.begin(), more.end());
     }
   }
-  std::optional<hal::CanFrame> receive() override {
-    if (answers_.empty()) return std::nullopt;
-    const hal::CanFrame frame = answers_.front();
-    answers_.pop_front();
-    return frame;
-  }
-  std::string place() const override { return "a cable"; }
 
   canopen::TestNode device{5};
   int lost_request = -1;
@@ -50,7 +43,6 @@ class Cable final : public sim_board::Transport {
   std::vector<hal::CanFrame> for_others;     // that the node sends before each answer
 
  private:
-  std::deque<hal::CanFrame> answers_;
   int sent_ = 0;
 };
 
@@ -168,7 +160,7 @@ TEST_F(SdoTransferTest, RepeatsLostSegments) {
 
 // A server of one object that supports block transfers in one block, without or with checksums (CiA 301,
 // 7.2.4.3.9 to 7.2.4.3.15).
-class BlockServer final : public sim_board::Transport {
+class BlockServer final : public FarEnd {
  public:
   explicit BlockServer(bool with_crc) : with_crc_(with_crc) {}
 
@@ -204,13 +196,6 @@ class BlockServer final : public sim_board::Transport {
     }
     return true;
   }
-  std::optional<hal::CanFrame> receive() override {
-    if (answers_.empty()) return std::nullopt;
-    const hal::CanFrame frame = answers_.front();
-    answers_.pop_front();
-    return frame;
-  }
-  std::string place() const override { return "a cable"; }
 
   std::vector<std::uint8_t> bytes;
   std::uint16_t downloaded_crc = 0xFFFF;
@@ -223,7 +208,6 @@ class BlockServer final : public sim_board::Transport {
   }
   bool with_crc_;
   bool in_download_ = false;
-  std::deque<hal::CanFrame> answers_;
 };
 
 TEST_F(SdoTransferTest, TransfersBlocksWithoutAChecksumThatTheServerLacks) {
