@@ -7,7 +7,7 @@ namespace koboshi::bus {
 namespace {
 
 struct Channel {
-  std::uint16_t request = 0;  // 0: the frame is of no SDO channel
+  std::uint16_t request = 0;  // 0: not an SDO frame
   bool is_request = false;
 };
 

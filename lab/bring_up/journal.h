@@ -44,8 +44,8 @@ struct Journal {
   std::size_t searched = 0;                   // candidates of all searches
   std::map<std::string, std::string> hashes;  // of the other files that were written, by relative path
   bool is_complete = false;                   // these files were all written
-  // Of an incomplete journal: those that are being written. A file is as bring-up wrote it if it has either
-  // hash.
+  // While the journal is incomplete, the hashes of the files that are being written. A file with either hash
+  // is as bring-up wrote it.
   std::map<std::string, std::string> next_hashes{};
 
   const JournalEntry* find(const std::string& rung) const;

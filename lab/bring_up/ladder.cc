@@ -311,7 +311,7 @@ class Climber {
       Journal begun = journal_;
       begun.is_complete = false;
       begun.next_hashes = next.hashes;
-      // What an earlier call has left may still be there.
+      // Files of an earlier call may still be there.
       for (const auto& [name, hashes] : written_)
         if (!begun.hashes.contains(name) && !hashes.empty()) begun.hashes[name] = *hashes.begin();
       write(kJournal, journal_text(begun));

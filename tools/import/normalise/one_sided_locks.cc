@@ -67,7 +67,7 @@ void warn_of_one_sided_locks(const ImportedRobot& source, const ImportedRobot& r
                              const Eigen::Matrix3d& R_MR, const Interview& interview, ImportReport& report) {
   const MirrorImages images(source, R_MR);
   for (const ImportedJoint& joint : source.joints) {
-    // Of those that have no role on either side, the import locks both.
+    // Joints without a role on either side are both locked by the import itself.
     if (!turns(joint) || robot.find_joint(joint.name) || !interview.taken.locked_deg.contains(joint.name))
       continue;
     const ImportedJoint* const image = images.find(joint);

@@ -124,7 +124,7 @@ LinkBox box_of(const ImportedLink& link) {
     if (!shape.surface) continue;
     Eigen::AlignedBox3d extent;
     for (const Eigen::Vector3f& vertex : shape.surface->vertices_m) extent.extend(vertex.cast<double>());
-    // Of two that are equally large, such as both halves of a servo's bracket, the first.
+    // The first of two equally large ones, such as both halves of a servo's bracket.
     if (extent.isEmpty() || extent.diagonal().norm() <= largest_m) continue;
     largest_m = extent.diagonal().norm();
     box.R_LG = shape.X_LG.linear();

@@ -208,7 +208,7 @@ TEST_F(ImportMistakes, AreLimitsInDegrees) {
   EXPECT_EQ(complaint(with("lower=\"-1.5\" upper=\"1.5\"", "lower=\"-6.28\" upper=\"6.28\"")), "none");
 }
 
-// Who converts only the limits that are refused would get an ankle that turns by ten radians.
+// A user who converts only the refused limits would get an ankle that turns by ten radians.
 TEST_F(ImportMistakes, AreSmallLimitsInDegreesBesideLargeOnes) {
   std::string text = with("lower=\"-1.5\" upper=\"1.5\"", "lower=\"-90\" upper=\"90\"");
   const std::string head = "lower=\"-1\" upper=\"1\"";

@@ -116,7 +116,7 @@ TEST(Csv, ReadsUnitsFromHeadersOrFromTheValues) {
   EXPECT_NE(notes_of(read_one("t,knee\n0,1.5\n")).find("read as rad"), std::string::npos);
 }
 
-// What spreadsheets write where the comma separates decimals.
+// Tables of spreadsheets in languages with a decimal comma.
 TEST(Csv, ReadsDecimalCommasAndTheLineOfTheSeparator) {
   for (const std::string file : {"time;knee_rad;hip_rad\n0;0;0\n0,5;-1,25;+1e-1\n",
                                  "sep=;\ntime;knee_rad;hip_rad\n0;0;0\n0,5;-1,25;0,1\n",
@@ -357,7 +357,7 @@ TEST(RoboplusPages, AreReadWithAllChecksumsWrongIfTheRestIsPlausible) {
   EXPECT_EQ(notes_of(read_one(with_wrong_sums(unused + page("a").bytes()))),
             "page 1: its checksum is wrong; it is read all the same\n");
   EXPECT_EQ(recognise(with_wrong_sums(page("a").set(16, 0).bytes())), MotionFormat::kRoboplusPages);
-  // One value that no page has, or no servo that moves, is enough to take it for something else.
+  // A single value that no page can have, or a page in which no servo moves, rules the format out.
   for (Page& other :
        std::vector{page("a").set(20, 8), page("a").set(16, 1), page("a\x01"), page("a").step(0, 5, 4096),
                    page("a").step(0, 5, 0x8000), page("a").step(0, 1, 0x4000), page("a").step(0, 1, 0)}) {
@@ -387,7 +387,7 @@ TEST(RoboplusPages, HaveNamesInOneEncoding) {
   const auto cut = read_foreign_motions("file", page("\x95\xE0\x95\xE0\x95\xE0\x95\xE0\x95\xE0\x95\xE0\x95"));
   EXPECT_EQ(cut.at(0).name.size(), 18u);
   EXPECT_EQ(cut[0].name.substr(0, 3), "\xE6\xAD\xA9");
-  // Of no encoding.
+  // These bytes are valid in no encoding.
   EXPECT_EQ(read_foreign_motions("file", page("a\xFF\xFF")).at(0).name, "a\\xFF\\xFF");
   EXPECT_TRUE(read_foreign_motions("file", page("bow")).at(0).notes.empty());
 }
