@@ -21,8 +21,8 @@ def xdotool(*arguments):
     return subprocess.run(["xdotool", *arguments], capture_output=True, text=True, check=False).stdout
 
 
-def wait_for(condition):
-    end = time.monotonic() + PATIENCE_S
+def wait_for(condition, patience_s=PATIENCE_S):
+    end = time.monotonic() + patience_s
     while time.monotonic() < end:
         if condition():
             return True
@@ -57,9 +57,14 @@ class Closing(unittest.TestCase):
         state = pathlib.Path(os.environ["XDG_STATE_HOME"])
         return [text for text in (path.read_text() for path in state.rglob("*.recovery")) if str(self.motion) in text]
 
+    # The first key of a window. The window manager names a window the active one a moment before the keyboard is the window's,
+    # and a key between the two is nobody's: it is pressed until the window has taken it.
     def edit(self):
-        self.press("Insert")
-        self.assertTrue(wait_for(lambda: self.title().startswith("squat.yaml*")), self.title())
+        def edited():
+            self.press("Insert")
+            return wait_for(lambda: self.title().startswith("squat.yaml*"), 2.0)
+
+        self.assertTrue(wait_for(edited), self.title())
 
     def ask(self):
         self.press("ctrl+q")
