@@ -43,7 +43,7 @@ Eigen::Vector4d double_pendulum_derivative(const HangingLink& upper, const Hangi
           (upper.mass_kg * upper.arm_m + lower.mass_kg * upper.length_m) * kGravity_m_per_s2 * std::sin(a1),
       coupling * std::sin(a1 - a2) * s1 * s1 -
           lower.mass_kg * lower.arm_m * kGravity_m_per_s2 * std::sin(a2));
-  const Eigen::Vector2d acceleration = M.ldlt().solve(torque);
+  const Eigen::Vector2d acceleration = M.inverse() * torque;
   return {state[2], state[3], acceleration[0], acceleration[1] - acceleration[0]};
 }
 

@@ -1,23 +1,41 @@
 #include "sim_board/sensor/pressure_cells.h"
 
-#include <Eigen/QR>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cstddef>
 
 namespace koboshi::sim_board {
 namespace {
 
-// The plate on those cells that press: forces in the span of (1, x, y), in balance with load and moments.
+// Cells count as on one line below this determinant of their spread, relative to the square of its trace.
+constexpr double kLine = 1e-12;
+
+// The plate on those cells that press: forces that are an affine function of the place, in balance with load
+// and moments. Cells on one line balance only the moments along it, and a single cell none.
 CellForces plate_forces(const CellPlaces& places_m, const std::array<bool, hal::kPressureCells>& presses,
                         double load_N, const Eigen::Vector2d& point_m) {
-  Eigen::Matrix<double, 3, hal::kPressureCells> balance = decltype(balance)::Zero();
+  double cells = 0.0;
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < places_m.size(); ++i) {
+    if (!presses[i]) continue;
+    cells += 1.0;
+    centre_m += places_m[i];
+  }
+  centre_m /= cells;
+  Eigen::Matrix2d spread_m2 = Eigen::Matrix2d::Zero();
   for (std::size_t i = 0; i < places_m.size(); ++i)
-    if (presses[i])
-      balance.col(static_cast<Eigen::Index>(i)) = Eigen::Vector3d(1.0, places_m[i].x(), places_m[i].y());
-  const Eigen::Vector3d wrench = load_N * Eigen::Vector3d(1.0, point_m.x(), point_m.y());
-  // The solution of least norm lies in the span of the rows: an affine function of the place.
-  const Eigen::Vector4d forces = balance.completeOrthogonalDecomposition().solve(wrench);
-  return {forces[0], forces[1], forces[2], forces[3]};
+    if (presses[i]) spread_m2 += (places_m[i] - centre_m) * (places_m[i] - centre_m).transpose();
+  const double trace_m2 = spread_m2.trace();
+  const Eigen::Vector2d moment_Nm = load_N * (point_m - centre_m);
+  Eigen::Vector2d slope_N_per_m = Eigen::Vector2d::Zero();
+  if (spread_m2.determinant() > kLine * trace_m2 * trace_m2)
+    slope_N_per_m = spread_m2.inverse() * moment_Nm;
+  else if (trace_m2 > 0.0)
+    slope_N_per_m = spread_m2 * moment_Nm / (trace_m2 * trace_m2);
+  CellForces forces{};
+  for (std::size_t i = 0; i < places_m.size(); ++i)
+    if (presses[i]) forces[i] = load_N / cells + slope_N_per_m.dot(places_m[i] - centre_m);
+  return forces;
 }
 
 }  // namespace
