@@ -16,6 +16,8 @@ add_library(koboshi_qt INTERFACE)
 target_compile_definitions(koboshi_qt INTERFACE QT_NO_KEYWORDS QT_NO_CAST_FROM_ASCII QT_NO_CAST_TO_ASCII)
 if(KOBOSHI_HAS_QT)
   target_link_libraries(koboshi_qt INTERFACE Qt6::Widgets)
+  # Without the definitions that tell a test its folders: no test needs them, and precompiled headers would serve one folder.
+  set_target_properties(Qt6::Test PROPERTIES INTERFACE_COMPILE_DEFINITIONS QT_TESTLIB_LIB)
 endif()
 
 # koboshi_qt_library(NAME [SOURCES ...] [DEPS ...]) defines koboshi::NAME as koboshi_library does, with Qt Widgets. Classes with
