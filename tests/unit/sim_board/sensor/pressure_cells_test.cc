@@ -43,6 +43,25 @@ TEST(PressureCellForces, BearALoadBesideThem) {
   for (const double force_N : forces) EXPECT_GE(force_N, 0.0);
 }
 
+// The part of the moments that two cells cannot bear is missing; along their line they are in balance.
+TEST(PressureCellForces, OfTwoCellsBalanceTheMomentAlongTheirLine) {
+  const Eigen::Vector2d line_m = kPlaces[1] - kPlaces[0];
+  const Eigen::Vector2d ahead = Eigen::Vector2d(-line_m.y(), line_m.x()).normalized();
+  for (const double share : {0.2, 0.5, 0.8}) {
+    const CellForces forces = distribute_load(kPlaces, 7.0, kPlaces[0] + share * line_m + 0.1 * ahead);
+    EXPECT_NEAR(forces[0], (1.0 - share) * 7.0, 1e-9);
+    EXPECT_NEAR(forces[1], share * 7.0, 1e-9);
+    EXPECT_EQ(forces[2], 0.0);
+    EXPECT_EQ(forces[3], 0.0);
+  }
+}
+
+TEST(PressureCellForces, OfOneCellBearALoadBeyondIt) {
+  const CellForces forces = distribute_load(kPlaces, 7.0, kPlaces[1] + 0.2 * (kPlaces[1] - kPlaces[2]));
+  EXPECT_NEAR(forces[1], 7.0, 1e-9);
+  EXPECT_NEAR(std::accumulate(forces.begin(), forces.end(), 0.0), 7.0, 1e-9);
+}
+
 TEST(PressureCellForces, AreZeroWithoutALoad) {
   for (const double load_N : {0.0, -1.0})
     for (const double force_N : distribute_load(kPlaces, load_N, {0, 0})) EXPECT_EQ(force_N, 0.0);
