@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "base/text/text.h"
 #include "tools/motion_files/format/lines.h"
@@ -27,11 +28,34 @@ std::optional<char> named_separator(std::string_view line) {
   return line[4];
 }
 
+// A unit in brackets as a suffix: "Knee [deg]" and "Knee (deg)" are Knee_deg. Other names stay as they are.
+std::string with_unit_suffix(std::string name) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kUnits{{{"s", "s"},
+                                                                                 {"sec", "s"},
+                                                                                 {"seconds", "s"},
+                                                                                 {"ms", "ms"},
+                                                                                 {"rad", "rad"},
+                                                                                 {"radians", "rad"},
+                                                                                 {"deg", "deg"},
+                                                                                 {"degrees", "deg"},
+                                                                                 {"\u00B0", "deg"}}};
+  if (!name.ends_with(']') && !name.ends_with(')')) return name;
+  const std::string_view all = name;
+  const std::size_t open = all.rfind(all.back() == ']' ? '[' : '(');
+  if (open == std::string_view::npos) return name;
+  const std::string_view own = trimmed(all.substr(0, open));
+  const std::string unit = lower_case(trimmed(all.substr(open + 1, all.size() - open - 2)));
+  const auto known = std::ranges::find(kUnits, unit, [](const auto& one) { return one.first; });
+  if (own.empty() || known == kUnits.end()) return name;
+  return std::string(own) + '_' + std::string(known->second);
+}
+
 // The names of a header, with the separator behind the time.
 std::optional<CsvHeader> header_of(std::string_view line, std::optional<char> separator, std::size_t number) {
   for (const char candidate : kSeparators) {
     if (separator && candidate != *separator) continue;
     std::vector<std::string> names = csv_fields(line, candidate);
+    for (std::string& name : names) name = with_unit_suffix(std::move(name));
     if (names.size() >= 2 && is_time(names.front()))
       return CsvHeader{
           .separator = candidate, .names = std::move(names), .line = number, .lines_above = number};

@@ -116,6 +116,24 @@ TEST(Csv, ReadsUnitsFromHeadersOrFromTheValues) {
   EXPECT_NE(notes_of(read_one("t,knee\n0,1.5\n")).find("read as rad"), std::string::npos);
 }
 
+TEST(Csv, ReadsUnitsInBrackets) {
+  const ForeignMotion motion = read_one(
+      "Time [ms],Knee [deg],Hip (rad),Waist (\u00B0),Arm [upper],Head (left) "
+      "[DEG]\n0,90,1,30,0,45\n250,45,2,60,1,90\n");
+  std::string names;
+  for (const auto& joint : motion.joints) names += joint.name + ';';
+  EXPECT_EQ(names, "Knee;Hip;Waist;Arm [upper];Head (left);");
+  const auto& frame = motion.sections[0].frames.at(1);
+  EXPECT_EQ(frame.move_us, 250'000);
+  EXPECT_NEAR(frame.values[0].value(), 45 * kDegreeInRad, 1e-12);
+  EXPECT_EQ(frame.values[1], 2.0);
+  EXPECT_NEAR(frame.values[2].value(), 60 * kDegreeInRad, 1e-12);
+  EXPECT_EQ(frame.values[3], 1.0);  // no unit
+  EXPECT_NEAR(frame.values[4].value(), 90 * kDegreeInRad, 1e-12);
+  EXPECT_EQ(read_one("Time (sec);knee (radians)\n0;1\n2;0\n").sections[0].frames.at(1).move_us, 2'000'000);
+  EXPECT_EQ(read_one("t,[deg],knee_rad\n0,1,1\n").joints[0].name, "[deg]");
+}
+
 // Tables of spreadsheets in languages with a decimal comma.
 TEST(Csv, ReadsDecimalCommasAndTheLineOfTheSeparator) {
   for (const std::string file : {"time;knee_rad;hip_rad\n0;0;0\n0,5;-1,25;+1e-1\n",
