@@ -42,6 +42,7 @@ set(KOBOSHI_TEST_OPTIONS $<$<CONFIG:Release>:-O0>)
 # with OBJECT an object library, without sources an interface library. cmake/install.cmake installs it with the component of
 # its folder. QT: it uses Qt Widgets. MATRICES: its time is that of small matrices. Without Eigen's assertions and with -O3, a
 # step of `lumped` takes three quarters of the time and has the same bits; KOBOSHI_ASSERT checks in every build.
+set(KOBOSHI_SEPARATE "" CACHE STRING "Libraries of folders that match this regular expression are built without unity builds")
 function(koboshi_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "FIRMWARE;OBJECT;QT;MATRICES" "" "SOURCES;DEPS")
   if(arg_SOURCES)
@@ -68,6 +69,9 @@ function(koboshi_library name)
   endif()
   add_library(koboshi::${name} ALIAS ${name})
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${koboshi_SOURCE_DIR} OUTPUT_VARIABLE folder)
+  if(KOBOSHI_SEPARATE AND folder MATCHES "${KOBOSHI_SEPARATE}")
+    set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
+  endif()
   if(folder MATCHES "^(hal|firmware)")
     set_property(GLOBAL APPEND PROPERTY KOBOSHI_COMPONENT_firmware ${name})
   elseif(folder MATCHES "^(base|mechanics|sim_board|simulation)")
