@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <regex>
 #include <string>
 
 #include "base/text/error.h"
@@ -19,6 +20,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 const std::filesystem::path kRobot = KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf";
@@ -107,6 +109,30 @@ TEST_F(RobotParametersTest, DescribeAReachablePosture) {
   EXPECT_THAT(refusal("longest_step_mm", 400), HasSubstr("a step that the legs reach"));
   EXPECT_THAT(refusal("longest_step_mm", 400), HasSubstr("mm, or a lower com_height_mm"));
   EXPECT_THAT(refusal("widest_step_mm", 450), HasSubstr("a step that the legs reach"));
+}
+
+// The heights and the steps that a refusal names are the outermost which the legs reach.
+TEST_F(RobotParametersTest, NameTheReachOfTheLegsToTheMillimetre) {
+  std::smatch heights;
+  const std::string said = refusal("com_height_mm", 400);
+  ASSERT_TRUE(
+      std::regex_search(said, heights, std::regex("expected (\\d+) to (\\d+) mm, which the legs reach")))
+      << said;
+  const double lowest_mm = std::stod(heights[1]);
+  const double highest_mm = std::stod(heights[2]);
+  const std::string posture = "which the legs reach";
+  for (const double end_mm : {lowest_mm, highest_mm})  // within reach, with less than the longest step
+    EXPECT_THAT(refusal("com_height_mm", end_mm),
+                AllOf(HasSubstr("longest_step_mm"), Not(HasSubstr(posture))));
+  EXPECT_THAT(refusal("com_height_mm", lowest_mm - 1), HasSubstr(posture));
+  EXPECT_THAT(refusal("com_height_mm", highest_mm + 1), HasSubstr(posture));
+  for (const char* key : {"longest_step_mm", "widest_step_mm"}) {
+    std::smatch step;
+    const std::string refused = refusal(key, 450);
+    ASSERT_TRUE(std::regex_search(refused, step, std::regex("at most (\\d+) mm, or a lower"))) << refused;
+    EXPECT_EQ(refusal(key, std::stod(step[1])), "") << key;
+    EXPECT_NE(refusal(key, std::stod(step[1]) + 1), "") << key;
+  }
 }
 
 TEST_F(RobotParametersTest, KeepTheSolesApart) {
