@@ -330,13 +330,14 @@ class Copy:
         compiles = False
         changes = False
         runs = False
+        removed = {path for path in self.digests if not path.exists()}  # objects of an earlier mutant
         for program in self.likely_first(mutation):
             build = self.run(["ninja", "-C", str(self.build), f"bin/{program.path.name}"], timeout=1800)
             if build.returncode != 0:
                 asserted = re.search(r"static assertion failed[^\n]*", build.stdout)
                 return ("killed", asserted[0]) if asserted else ("invalid", "does not compile")
             compiled = self.compiled_since([self.build / name for name in program.objects], started_ns)
-            compiles = compiles or bool(compiled)
+            compiles = compiles or not removed.issuperset(compiled)
             if all(self.digest(path) == self.digests[path] for path in compiled):
                 continue
             changes = True
