@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -96,6 +97,50 @@ TEST(JointRobot, SendsTargetsOnceInEachCycleAfterItsComputingTime) {
     EXPECT_GE(after_tick_us, robot.scenario().computing_time_us);
     EXPECT_LT(after_tick_us, robot.scenario().computing_time_us + 500);
   }
+}
+
+// The controller's heartbeats, after which each drive would stop without them (kControllerHeartbeatLost_ms).
+class HeartbeatTimes final : public sim_board::BusObserver {
+ public:
+  void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t) override {
+    if (frame.identifier == 0x701) starts_us.push_back(start_us);
+  }
+  std::vector<std::uint64_t> starts_us;
+};
+
+TEST(JointRobot, SendsItsHeartbeatFiftyTimesASecond) {
+  JointRobot robot(joints_scenario(), 1);
+  HeartbeatTimes times;
+  robot.board().electronics().bus().set_observer(&times);
+  robot.step(1'000);
+  EXPECT_EQ(times.starts_us.size(), 50u);
+  for (std::size_t i = 1; i < times.starts_us.size(); ++i)
+    EXPECT_NEAR(static_cast<double>(times.starts_us[i] - times.starts_us[i - 1]), 20'000.0, 1'000.0);
+}
+
+// The sag of the common supply while the joints with these names turn by 0.3 rad, in mV.
+int sag_mV(const std::vector<std::string>& names) {
+  JointRobot robot(joints_scenario({{"initial.held_until_s", "100"}, {"noise", "false"}}), 1);
+  auto targets = part(robot, "joint_position_rad");
+  for (const std::string& name : names)
+    targets[static_cast<std::size_t>(*robot.robot().find_joint(name))] += 0.3;
+  robot.set_targets(targets);
+  int lowest_mV = 1'000'000;
+  for (int i = 0; i < 100; ++i) {
+    robot.step(1);
+    lowest_mV =
+        std::min(lowest_mV, static_cast<int>(robot.board().electronics().drive(0).values().supply_mV));
+  }
+  return static_cast<int>(1e3 * robot.robot().battery->open_circuit_V) - lowest_mV;
+}
+
+TEST(JointRobot, DrawsTheCurrentsOfAllDrivesFromItsBattery) {
+  const int one_mV = sag_mV({"head_pan"});
+  const int two_mV = sag_mV({"head_pan", "left_elbow"});
+  const int three_mV = sag_mV({"head_pan", "left_elbow", "right_elbow"});
+  EXPECT_GT(one_mV, 20);
+  EXPECT_GT(two_mV, one_mV + 20);
+  EXPECT_GT(three_mV, two_mV + 20);
 }
 
 TEST(JointRobot, HasEverySampleOfTheInertialUnit) {
