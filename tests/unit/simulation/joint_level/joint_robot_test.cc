@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,6 +15,8 @@
 #include "sim_board/can/observer.h"
 #include "simulation/joint_level/joint_robots.h"
 #include "simulation/scenario/reader.h"
+#include "tests/closed_loop/other_robots.h"
+#include "tests/support/temporary_folder.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -153,6 +156,44 @@ TEST(JointRobot, HasEverySampleOfTheInertialUnit) {
   EXPECT_NEAR(std::hypot(accelerometer[0], accelerometer[1], accelerometer[2]), 9.81, 0.5);
   robot.step(0);
   EXPECT_TRUE(robot.imu_samples().empty());
+}
+
+// The scenario of the joints with another robot.
+class OtherJointRobot {
+ public:
+  explicit OtherJointRobot(const std::string& text) {
+    test::write_robot(folder_.path, text, true, false);
+    robot.emplace(joints_scenario({{"robot", (folder_.path / "robot.sdf").string()}}), 1);
+    robot->step(2'000);
+  }
+  std::optional<JointRobot> robot;
+  double weight_N() const { return 9.81 * robot->robot().total_mass_kg(); }
+
+ private:
+  test::TemporaryFolder folder_;
+};
+
+TEST(JointRobot, ObservesForcesOfItsFeetByTheKindOfSensor) {
+  const OtherJointRobot axes(test::default_robot());
+  EXPECT_NEAR(part(*axes.robot, "foot_left")[2] + part(*axes.robot, "foot_right")[2], axes.weight_N(),
+              0.1 * axes.weight_N());
+  const OtherJointRobot cells(test::with_pressure_cells(test::default_robot()));
+  double sum_N = 0.0;
+  for (const char* foot : {"foot_left", "foot_right"}) {
+    const auto forces_N = part(*cells.robot, foot);
+    for (std::size_t cell = 0; cell < 4; ++cell) sum_N += forces_N[cell];
+  }
+  EXPECT_NEAR(sum_N, cells.weight_N(), 0.1 * cells.weight_N());
+  const OtherJointRobot switches(test::with_contact_switches(test::default_robot()));
+  for (const char* foot : {"foot_left", "foot_right"})
+    EXPECT_EQ(part(*switches.robot, foot), (std::vector<double>{0, 0, 1, 0, 0, 0})) << foot;
+}
+
+TEST(JointRobot, ObservesZerosOfFeetWithoutSensors) {
+  const OtherJointRobot none(test::without_ankle_sensors(test::default_robot()));
+  for (const char* foot : {"foot_left", "foot_right"})
+    EXPECT_EQ(part(*none.robot, foot), std::vector<double>(6, 0.0)) << foot;
+  EXPECT_GT(part(*none.robot, "supply_V")[0], 7.0);
 }
 
 TEST(JointRobot, SeesEncodersInTheirSteps) {
