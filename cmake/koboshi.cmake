@@ -38,6 +38,9 @@ set(KOBOSHI_LIGHT_OPTIONS $<$<CONFIG:Release>:-O1>)
 # Options for tests. Most spend their time in the code under test, which has its own options, and compile in half of the time.
 set(KOBOSHI_TEST_OPTIONS $<$<CONFIG:Release>:-O0>)
 
+# For mutants: a change of one source compiles that source alone.
+set(KOBOSHI_SEPARATE "" CACHE STRING "Libraries of folders that match this regular expression are built without unity builds")
+
 # koboshi_library(NAME [FIRMWARE] [OBJECT] [QT] [MATRICES] [SOURCES ...] [DEPS ...]) defines koboshi::NAME: a static library,
 # with OBJECT an object library, without sources an interface library. cmake/install.cmake installs it with the component of
 # its folder. QT: it uses Qt Widgets. MATRICES: its time is that of small matrices. Without Eigen's assertions and with -O3, a
@@ -68,6 +71,9 @@ function(koboshi_library name)
   endif()
   add_library(koboshi::${name} ALIAS ${name})
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${koboshi_SOURCE_DIR} OUTPUT_VARIABLE folder)
+  if(KOBOSHI_SEPARATE AND folder MATCHES "${KOBOSHI_SEPARATE}")
+    set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
+  endif()
   if(folder MATCHES "^(hal|firmware)")
     set_property(GLOBAL APPEND PROPERTY KOBOSHI_COMPONENT_firmware ${name})
   elseif(folder MATCHES "^(base|mechanics|sim_board|simulation)")

@@ -159,6 +159,20 @@ std::string with_longer_arms(std::string robot) {
   return robot;
 }
 
+std::string with_left_collar(std::string robot, int joints) {
+  std::string carrier = "trunk";
+  for (int i = 1; i <= joints; ++i) {
+    const std::string name = fmt::format("left_collar_{}", i);
+    add(robot, {name, "", carrier, name + "_link", i == 1 ? "0 0.02 0.09 0 0 0" : "0 0 0 0 0 0",
+                i % 2 == 0 ? "1 0 0" : "0 0 1", 0.004, 0.0, 50 + i});
+    carrier = name + "_link";
+  }
+  const std::string parent = "<parent>trunk</parent>";
+  const auto shoulder = robot.find("<joint name=\"left_shoulder_pitch\"");
+  robot.replace(robot.find(parent, shoulder), parent.size(), "<parent>" + carrier + "</parent>");
+  return robot;
+}
+
 std::string without_hip_yaw(std::string robot) {
   for (const std::string side : kSides) {
     cut(robot, "<joint name=\"" + side + "_hip_yaw\"", "</joint>");

@@ -25,6 +25,9 @@ std::string with_waist(std::string robot);
 // Adds shoulder yaw, two wrist joints and a gripper to each arm: eight joints more.
 std::string with_longer_arms(std::string robot);
 
+// Adds joints between the trunk and the left shoulder.
+std::string with_left_collar(std::string robot, int joints);
+
 // Takes the hip yaw out of both legs and bolts its bracket to the trunk: 18 joints.
 std::string without_hip_yaw(std::string robot);
 

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Changes one place of the sources at a time, builds, and tells whether a test notices.
 
-Usage: tools/dev/mutants.py [--count N] [--seed N] [--jobs N] [--at-least PERCENT] [--only REGEX] [--programs REGEX]
-                            [FOLDER...]
+Usage: tools/dev/mutants.py [--count N] [--seed N] [--skip N] [--jobs N] [--at-least PERCENT] [--only REGEX]
+                            [--programs REGEX] [--define NAME=VALUE]... [FOLDER...]
 
 FOLDER (default: firmware) is a folder of the sources. If all are below hal/ or firmware/, the firmware preset and its unit
-tests judge the mutants, else the release preset. Both are built without unity builds, in copies of the versioned files below
-build/mutants, one for each job. With --programs, only the test programs with such names are built and judge: a lower
-bound in less time. A mutant swaps an operator, changes a constant, fixes a condition, or drops a statement.
+tests judge the mutants, else the release preset. They are built in copies of the versioned files below build/mutants, one for
+each job, with --define as additional settings for CMake. The libraries of the folders are built without unity builds, all else
+with them. The next run builds only what has changed since. With --programs, only the test programs with such names are built
+and judge: a lower bound in less time. A mutant swaps an operator, changes a constant, fixes a condition, or drops a statement.
 
 Each mutant is one of:
   killed      a test program that contains the changed code fails, crashes or takes ten times as long, or a static
@@ -17,12 +18,14 @@ Each mutant is one of:
   invalid     it does not compile, or no program of the preset contains it
 
 Mutants are drawn until --count of them are killed or have survived. The same sources, seed and folders give the same mutants
-in the same order. Each line of the report is: verdict, file:line, the change, and what noticed. The exit status is 1 if fewer
+in the same order. --skip leaves out the first ones: the number of lines that an interrupted run has reported. The test program
+with the most of the mutant's folder in its name judges first, then the others, by the time that they take. Each line of the report is: verdict, file:line, the change, and what noticed. The exit status is 1 if fewer
 than --at-least percent (default 0) were killed, 2 for bad arguments.
 """
 
 import argparse
 import concurrent.futures
+import dataclasses
 import hashlib
 import json
 import os
@@ -182,21 +185,50 @@ def mutations_of(path):
     return found
 
 
+@dataclasses.dataclass
+class TestProgram:
+    """A GoogleTest program of the unchanged sources."""
+
+    path: pathlib.Path
+    folder: str  # in which it runs
+    seconds: float  # of a run
+    objects: set  # files that it and its libraries are linked from, relative to the folder of the build
+    digest: bytes
+
+
 class Copy:
-    """A copy of the versioned files with a build of its own."""
+    """A copy of the versioned files with a build of its own, which outlives this program."""
 
     def __init__(self, folder, preset, programs):
         self.folder, self.build = folder, folder / "build" / preset
         self.preset, self.names = preset, programs
-        shutil.rmtree(folder, ignore_errors=True)
         listing = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-        for name in listing.split("\0")[:-1]:
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(ROOT / name, folder / name, follow_symlinks=False)
+        names = listing.split("\0")[:-1]
+        self.remove_all_but({folder / name for name in names})
+        for name in names:
+            self.update(folder / name, ROOT / name)
 
-    def prepare(self):
-        """Builds it, and runs each test program once."""
-        self.run(["cmake", "--preset", self.preset, "-DBUILD_TESTING=ON", "-DCMAKE_UNITY_BUILD=OFF", "-DKOBOSHI_PRECOMPILE=ON"], check=True)
+    def remove_all_but(self, wanted):
+        for place, folders, files in os.walk(self.folder):
+            if pathlib.Path(place) == self.folder:
+                folders[:] = [name for name in folders if name not in ("build", "tmp")]
+            for name in files:
+                if pathlib.Path(place) / name not in wanted:
+                    (pathlib.Path(place) / name).unlink()
+
+    @staticmethod
+    def update(copy, original):
+        """Equal files keep their times. Another one is new, so that what an interrupted run made of a mutant is built again."""
+        if copy.exists() and copy.stat().st_mode == original.stat().st_mode and copy.read_bytes() == original.read_bytes():
+            return
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(original, copy)
+
+    def prepare(self, folders, defines):
+        """Builds it, and runs each test program once. `folders` are those whose libraries are built without unity builds."""
+        separate = f"^({'|'.join(folders)})(/|$)"
+        self.run(["cmake", "--preset", self.preset, "-DBUILD_TESTING=ON", f"-DKOBOSHI_SEPARATE={separate}",
+                  *(f"-D{define}" for define in defines)], check=True)
         self.build_command = ["ninja", "-C", str(self.build), *self.test_targets(self.names)]
         self.run(self.build_command, check=True)
         self.digests = {path: self.digest(path) for path in self.build.rglob("*.o")}
@@ -228,7 +260,10 @@ class Copy:
             return []
         listing = self.run(["ninja", "-C", str(self.build), "-t", "targets", "all"], check=True).stdout
         names = re.findall(r"^(bin/\w+_test): CXX_EXECUTABLE_LINKER", listing, re.MULTILINE)
-        return [name for name in names if re.fullmatch(programs, name.removeprefix("bin/"))]
+        chosen = [name for name in names if re.fullmatch(programs, name.removeprefix("bin/"))]
+        if not chosen:
+            raise SystemExit(f"mutants.py: no test program of the preset {self.preset} has a name like {programs}")
+        return chosen
 
     def scratch(self):
         folder = self.folder / "tmp"
@@ -242,23 +277,23 @@ class Copy:
         return hashlib.sha256(stripped.read_bytes()).digest()
 
     def test_programs(self, listing):
-        """For each GoogleTest program: seconds of a run, and the object files that it is linked from."""
+        """The GoogleTest programs that were built, by their paths."""
         programs, seen = {}, set()
         for test in listing["tests"]:
-            command = test.get("command", [])
-            if not command or command[0] in seen or not pathlib.Path(command[0]).exists():
+            path = pathlib.Path(test.get("command", [""])[0])
+            if path in seen or path.parent != self.build / "bin" or not re.fullmatch(self.names or ".*", path.name) or not path.exists():
                 continue
-            seen.add(command[0])
-            if pathlib.Path(command[0]).parent == self.build / "bin":
-                started = time.monotonic()
-                folder = next((item["value"] for item in test["properties"] if item["name"] == "WORKING_DIRECTORY"), self.build)
-                result = self.run([command[0], "--gtest_brief=1"], cwd=folder)
-                if result.returncode == 0:
-                    inputs = self.run(["ninja", "-C", str(self.build), "-t", "inputs", "bin/" + pathlib.Path(command[0]).name])
-                    programs[command[0]] = (time.monotonic() - started, folder,
-                                            {line.strip() for line in inputs.stdout.splitlines() if line.endswith(".o")})
-                else:
-                    print(f"mutants.py: {command[0]} fails without a mutant; it judges none", file=sys.stderr)
+            seen.add(path)
+            folder = next((item["value"] for item in test["properties"] if item["name"] == "WORKING_DIRECTORY"), self.build)
+            started = time.monotonic()
+            result = self.run([str(path), "--gtest_brief=1"], cwd=folder)
+            seconds = time.monotonic() - started
+            if result.returncode == 0:
+                inputs = self.run(["ninja", "-C", str(self.build), "-t", "inputs", f"bin/{path.name}"]).stdout
+                objects = {line.strip() for line in inputs.splitlines() if line.endswith(".o")}
+                programs[path] = TestProgram(path, folder, seconds, objects, hashlib.sha256(path.read_bytes()).digest())
+            else:
+                print(f"mutants.py: {path} fails without a mutant; it judges none", file=sys.stderr)
         return programs
 
     def judge(self, mutation):
@@ -271,12 +306,13 @@ class Copy:
         try:
             return self.verdict(mutation, started_ns)
         finally:
-            # The file is as old as before, so that only objects of the mutant are compiled again, when they are needed.
-            path.write_text(original)
-            os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+            # The file is as old as before, so that only objects of the mutant are compiled again, when they are needed. They go
+            # first: the next run then builds them anew even if this one is interrupted here.
             for compiled in self.compiled_since(self.digests, started_ns):
                 if self.digest(compiled) != self.digests[compiled]:
                     compiled.unlink()
+            path.write_text(original)
+            os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
 
     @staticmethod
     def compiled_since(paths, since_ns):
@@ -284,31 +320,39 @@ class Copy:
 
     def likely_first(self, mutation):
         """The test programs, first that of the mutant's folder, then the fastest."""
-        folder = "_".join(pathlib.PurePath(mutation.path).parts[:2])
-        return sorted(self.programs.items(),
-                      key=lambda item: (folder not in pathlib.Path(item[0]).name, item[1][0], item[0]))
+        parts = pathlib.PurePath(mutation.path).parent.parts
+        folders = ["_".join(parts[:length]) for length in range(2, len(parts) + 1)]
+        return sorted(self.programs.values(), key=lambda program: (
+            -sum(program.path.name.startswith(folder) for folder in folders), program.seconds, program.path))
 
     def verdict(self, mutation, started_ns):
         """Builds and runs one program after the other: most mutants need no more than one."""
         compiles = False
         changes = False
-        for program, (seconds, folder, objects) in self.likely_first(mutation):
-            build = self.run(["ninja", "-C", str(self.build), str(pathlib.Path(program).relative_to(self.build))], timeout=1800)
+        runs = False
+        removed = {path for path in self.digests if not path.exists()}  # objects of an earlier mutant
+        for program in self.likely_first(mutation):
+            build = self.run(["ninja", "-C", str(self.build), f"bin/{program.path.name}"], timeout=1800)
             if build.returncode != 0:
                 asserted = re.search(r"static assertion failed[^\n]*", build.stdout)
                 return ("killed", asserted[0]) if asserted else ("invalid", "does not compile")
-            compiled = self.compiled_since([self.build / name for name in objects], started_ns)
-            compiles = compiles or bool(compiled)
+            compiled = self.compiled_since([self.build / name for name in program.objects], started_ns)
+            compiles = compiles or not removed.issuperset(compiled)
             if all(self.digest(path) == self.digests[path] for path in compiled):
                 continue
             changes = True
-            result = self.run([program, "--gtest_brief=1", "--gtest_fail_fast"], cwd=folder, timeout=10 + 10 * seconds)
+            if hashlib.sha256(program.path.read_bytes()).digest() == program.digest:  # its library has the object, it has not
+                continue
+            runs = True
+            result = self.run([str(program.path), "--gtest_brief=1", "--gtest_fail_fast"], cwd=program.folder,
+                              timeout=10 + 10 * program.seconds)
             if result.returncode != 0:
                 failed = re.search(r"\[  FAILED  \] ([\w/.]+)", result.stdout)
-                return "killed", f"{pathlib.Path(program).name}: {failed[1] if failed else f'exit status {result.returncode}'}"
-        if changes:
+                reason = "takes too long" if result.returncode == -signal.SIGALRM else f"exit status {result.returncode}"
+                return "killed", f"{program.path.name}: {failed[1] if failed else reason}"
+        if runs:
             return "survived", ""
-        return ("equivalent", "the same optimised code") if compiles else ("invalid", "in no program of this preset")
+        return ("equivalent", "the same optimised code") if compiles and not changes else ("invalid", "in no program of this preset")
 
 
 def judged_equivalent():
@@ -334,14 +378,17 @@ def main():
     parser.add_argument("folders", nargs="*", default=["firmware"], metavar="FOLDER")
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--skip", type=int, default=0, help="how many of the first mutants to leave out")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--at-least", type=float, default=0.0)
     parser.add_argument("--only", default="", help="a regular expression of paths")
     parser.add_argument("--programs", default="", help="a regular expression of test programs' names")
+    parser.add_argument("--define", action="append", default=[], metavar="NAME=VALUE", help="a setting for CMake")
     arguments = parser.parse_args()
     mutations = drawn(arguments.folders, arguments.seed, arguments.only)
     if not mutations:
         parser.error(f"found no sources in {' '.join(arguments.folders)}, expected C++ files under version control")
+    separate = sorted({"/".join(pathlib.PurePath(mutation.path).parent.parts[:2]) for mutation in mutations})
     preset = "firmware" if all(re.match(r"(hal|firmware)(/|$)", folder) for folder in arguments.folders) else "release"
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         copies = queue.Queue()
@@ -349,7 +396,7 @@ def main():
         # ccache, if it is here, compiles for the first alone.
         made = [Copy(ROOT / "build/mutants" / f"{preset}-{job}", preset, arguments.programs) for job in range(arguments.jobs)]
         for copy in made:
-            copy.prepare()
+            copy.prepare(separate, arguments.define)
             copies.put(copy)
         equivalents = judged_equivalent()
         counts = dict.fromkeys(("killed", "survived", "equivalent", "invalid"), 0)
@@ -363,7 +410,7 @@ def main():
             finally:
                 copies.put(copy)
 
-        position = 0
+        position = arguments.skip
         while (missing := arguments.count - counts["killed"] - counts["survived"]) > 0 and position < len(mutations):
             batch = mutations[position:position + missing]
             position += len(batch)

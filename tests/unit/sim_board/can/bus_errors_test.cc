@@ -169,6 +169,10 @@ TEST(Bus, EndsAnUnacknowledgedAttemptWithTheSendersOwnFlagOnly) {
   EXPECT_EQ(bus.usage().busy_us, attempt_us);
   EXPECT_EQ(bus.usage().error_frames, 1u);
   EXPECT_EQ(bus.status(node).transmit_error_count, 8);
+  bus.advance_to(10 * attempt_us);  // none is shorter or longer
+  EXPECT_EQ(bus.usage().busy_us, 10 * attempt_us);
+  EXPECT_EQ(bus.usage().error_frames, 10u);
+  EXPECT_EQ(bus.status(node).transmit_error_count, 80);
 }
 
 TEST(Bus, SendsTheSameFrameOfTwoNodesAtOnce) {

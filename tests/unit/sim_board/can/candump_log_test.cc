@@ -294,5 +294,14 @@ TEST_F(CandumpLog, RejectsAMissingFile) {
   EXPECT_THROW(CandumpReader(folder_.path), InputError);
 }
 
+// A raw length code of 9 to 15 stands behind eight bytes only.
+TEST(CandumpLine, ReadsLengthCodesBeyondEightBytes) {
+  for (const char* code : {"9", "A", "F", "f"})
+    EXPECT_TRUE(parse_frame_notation(std::string("123#0011223344556677_") + code)) << code;
+  for (const char* bad : {"123#0011223344556677_8", "123#0011223344556677_0", "123#0011223344556677_",
+                          "123#0011223344556677_9A", "123#00112233445566_9", "123#001122334455667788"})
+    EXPECT_FALSE(parse_frame_notation(bad)) << bad;
+}
+
 }  // namespace
 }  // namespace koboshi::sim_board

@@ -337,5 +337,28 @@ TEST(Lumped, MovesAFreeTreeAsOdeDoes) {
   EXPECT_GT(worlds[0]->body(3).w_WL_W.norm(), 1.0);  // it moved
 }
 
+// A ring is carried by the link whose hinges displace its centre of mass less: on its own hinge's axis by
+// none of them.
+TEST(Lumped, CutsAChainWhereItsRingsAreDisplacedLeast) {
+  const auto cut_of = [](const Vector3d& first_ring_m, const Vector3d& second_ring_m, double half_range_rad) {
+    RobotDescription robot = gimbal(3, 0.01);
+    robot.links[1].p_LCom_L = kAnchor_M + first_ring_m;
+    robot.links[2].p_LCom_L = kAnchor_M + second_ring_m;
+    robot.joints[1].lower_rad = -half_range_rad;
+    robot.joints[1].upper_rad = half_range_rad;
+    const auto chains = lumped_hinges(robot, hinge_tree(robot));
+    EXPECT_EQ(chains.size(), 1u);
+    return chains.at(0).cut;
+  };
+  const Vector3d on_z(0.0, 0.0, 0.05);
+  const Vector3d on_y(0.0, 0.05, 0.0);
+  // The first hinge turns about z, the last about y.
+  EXPECT_EQ(cut_of(on_z, on_y, kQuarterTurn_rad), 1u);
+  // About x by little: less than by the last one.
+  EXPECT_EQ(cut_of(on_z, on_z, 0.3), 2u);
+  // The first ring is far from z, and near to the axes of the others.
+  EXPECT_EQ(cut_of({0.01, 0.05, 0.0}, on_y, 0.3), 0u);
+}
+
 }  // namespace
 }  // namespace koboshi::sim_board

@@ -1,9 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "sim_board/description/hinge_tree.h"
+#include "sim_board/engine/common/model_constants.h"
 #include "sim_board/engine/make_world.h"
 #include "sim_board/engine/mujoco/constraint_row.h"
 #include "sim_board/engine/mujoco/library.h"
@@ -61,6 +63,37 @@ TEST(Mujoco, HasRowsEquivalentToOde) {
       EXPECT_NEAR(data->efc_R[row] * step_s / expected.constraint_force_mixing, 1.0, 1e-9);
       EXPECT_NEAR(data->contact[i].friction[0], 0.8, 1e-12);
     }
+  }
+}
+
+// The same of the row that couples a follower with its leader, in which two joints move. With a step of 1 ms,
+// MuJoCo's bound of the impedance makes it twice as soft.
+TEST(Mujoco, HasACouplingEquivalentToOde) {
+  RobotDescription robot = sample_hinge({.inertia_kg_m2 = 1e-4, .axis = Eigen::Vector3d::UnitZ()});
+  FollowerDescription follower{.hinge = robot.joints[0], .leader = 0, .multiplier = -0.7, .offset_rad = 0.1};
+  follower.hinge.name = "follower";
+  follower.hinge.child = 2;
+  follower.hinge.p_MJ = Eigen::Vector3d(0.0, 0.3, 0.0);
+  robot.links.push_back(robot.links[1]);
+  robot.links.back().name = "other";
+  robot.links.back().X_ML.translation() += follower.hinge.p_MJ;
+  robot.joints.push_back(follower.hinge);
+  for (const double step_s : {0.00025, 0.0001}) {
+    WorldOptions options;
+    options.step_s = step_s;
+    options.stepper = Stepper::kMujoco;
+    options.fixed_base = true;
+    options.ground.present = false;
+    options = checked(options, robot);
+    const MujocoModel model = load_model(model_text(robot, {&follower, 1}, {}, options, Base::kFixed));
+    std::fill_n(model->dof_invweight0, model->nv, kInverseInertia);
+    const MujocoData data = make_data(*model);
+    mj_forward(model.get(), data.get());
+    ASSERT_EQ(data->ne, 1);  // equalities come first
+    const mjtNum* KBIP = data->efc_KBIP;
+    EXPECT_NEAR(KBIP[0] * KBIP[2] * step_s * step_s, kCouplingErrorReduction, 1e-9);
+    EXPECT_NEAR(KBIP[1] * step_s, 1.0, 1e-9);
+    EXPECT_NEAR(data->efc_R[0] * step_s / kCouplingForceMixing, 1.0, 1e-6);
   }
 }
 

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdint>
 #include <numbers>
+
+#include "tests/unit/simulation/observe/staged_world.h"
 
 namespace koboshi::sim_board {
 namespace {
@@ -135,6 +139,40 @@ TEST(AnkleSensor, AppliesCrosstalkToSamplesButNotToTheTrueWrench) {
   AnkleSensor sensor(description, two_links(), {});
   sensor.step(BodyState{}, joint_W, 0);
   EXPECT_LT((sensor.wrench_S().torque_Nm - true_S.torque_Nm).cwiseAbs().maxCoeff(), kTorqueResolution);
+}
+
+// It closes at its force and opens below half of it.
+TEST(AnkleSensor, ReadsASwitchByTheLoadOfItsSole) {
+  AnkleSensorDescription description = clean_sensor();
+  description.kind = hal::AnkleKind::kContactSwitch;
+  description.closing_force_N = 2.0;
+  const RobotDescription robot = two_links();
+  simulation::StagedWorld world(robot);
+  AnkleSensor sensor(description, robot, {});
+  std::uint64_t time_us = 0;
+  const auto reading = [&](double load_N) {
+    world.unload();
+    if (load_N > 0.0) world.load(1, load_N);
+    for (const std::uint64_t end_us = time_us + 10'000; time_us < end_us; time_us += 1000)
+      sensor.step(world, time_us);
+    hal::AnkleSample sample;
+    bool any = false;
+    while (sensor.poll(time_us, sample)) any = true;
+    EXPECT_TRUE(any);
+    EXPECT_EQ(sample.force_raw[0], 0);
+    EXPECT_EQ(sample.force_raw[1], 0);
+    EXPECT_EQ(sample.torque_raw, (std::array<std::int16_t, 3>{}));
+    return sample.force_raw[2];
+  };
+  // The filter overshoots by 4 % of a change.
+  EXPECT_EQ(reading(0.0), 0);
+  EXPECT_EQ(reading(1.9), 0);
+  EXPECT_EQ(reading(2.05), 1);
+  EXPECT_EQ(reading(1.1), 1);
+  EXPECT_EQ(reading(0.95), 0);
+  EXPECT_EQ(reading(1.9), 0);
+  EXPECT_EQ(reading(20.0), 1);
+  EXPECT_EQ(reading(0.0), 0);
 }
 
 }  // namespace

@@ -37,8 +37,10 @@ Eigen::Vector3d scaled(const std::array<std::int16_t, 3>& raw, double resolution
 
 // The last sample after 200 ms of a motion at 1 ms steps.
 Reading read(const ImuDescription& description, const LinkDescription& link,
-             const std::function<BodyState(double time_s)>& motion) {
+             const std::function<BodyState(double time_s)>& motion,
+             const Eigen::Vector3d& added_L_rad_per_s = Eigen::Vector3d::Zero()) {
   Imu imu(description, link, kGravity, {});
+  imu.add_rate(added_L_rad_per_s);
   for (std::uint64_t time_us = 0; time_us <= 200'000; time_us += 1000) {
     imu.step(motion(static_cast<double>(time_us) * 1e-6), time_us);
   }
@@ -153,6 +155,17 @@ TEST(Imu, AddsTheGSensitivityToTheRate) {
   // About the vertical, so that gravity stays along the sensor's z.
   expect_near(read(description, {}, spin).gyro - read(description, {}, rest).gyro, {0.0, 0.0, 3.0},
               1.01 * kGyroResolution);
+}
+
+// The rate is given in the axes of the link, and the unit's are others.
+TEST(Imu, AddsARateToThatOfTheLink) {
+  ImuDescription description = clean_imu();
+  description.X_LS.linear() =
+      Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const auto spin = [](double time_s) { return turned(3.0 * time_s, 3.0, Eigen::Vector3d::Zero()); };
+  const Reading reading = read(description, {}, spin, {0.5, -0.25, 1.0});
+  expect_near(reading.gyro, {-0.25, -0.5, 4.0}, 0.51 * kGyroResolution);
+  expect_near(reading.accelerometer, read(description, {}, spin).accelerometer, 0.0);
 }
 
 TEST(Imu, CarriesTheLowBitsOfTime) {

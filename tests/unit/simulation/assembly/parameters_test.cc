@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <map>
 #include <set>
 #include <string>
 #include <string_view>
@@ -103,6 +105,41 @@ TEST(Parameters, AreRejectedOutOfTheDictionarysRange) {
   EXPECT_NE(refusal("highest_supply_mV", 70000.0), "");
   EXPECT_NE(refusal("highest_supply_mV", -1.0), "");
   EXPECT_NE(refusal("ramp_rate_deg_per_s", 0.0), "");
+}
+
+// The range of the dictionary's row or, without one, of its type: the ends are accepted, and the next numbers
+// are not.
+TEST(Parameters, EndWhereTheirRowOrTheirTypeEnds) {
+  struct TypeRange {
+    std::int64_t low;
+    std::int64_t high;
+  };
+  const std::map<canopen::DataType, TypeRange> of_type{
+      {canopen::DataType::kInteger8, {-128, 127}},
+      {canopen::DataType::kInteger16, {-32'768, 32'767}},
+      {canopen::DataType::kInteger32, {-2'147'483'648, 2'147'483'647}},
+      {canopen::DataType::kUnsigned8, {0, 255}},
+      {canopen::DataType::kUnsigned16, {0, 65'535}},
+      {canopen::DataType::kUnsigned32, {0, 4'294'967'295}},
+  };
+  int without_row = 0;
+  for (const Parameter& parameter : controller_parameters()) {
+    const canopen::Entry& entry = parameter.object->entry;
+    const bool is_signed = entry.type < canopen::DataType::kUnsigned8;
+    const auto bound = [&](std::uint32_t word) {
+      return is_signed ? std::int64_t{static_cast<std::int32_t>(word)} : std::int64_t{word};
+    };
+    const TypeRange range =
+        entry.limited ? TypeRange{bound(entry.low), bound(entry.high)} : of_type.at(entry.type);
+    without_row += entry.limited ? 0 : 1;
+    EXPECT_EQ(parameter.low(), range.low) << parameter.key;
+    EXPECT_EQ(parameter.high(), range.high) << parameter.key;
+    for (const std::int64_t end : {range.low, range.high})
+      EXPECT_EQ(refusal(parameter.key, parameter.value(end)), "");
+    for (const std::int64_t beyond : {range.low - 1, range.high + 1})
+      EXPECT_NE(refusal(parameter.key, parameter.value(beyond)), "") << parameter.key << ' ' << beyond;
+  }
+  EXPECT_GT(without_row, 0);
 }
 
 TEST(ControllerValues, AreOverriddenByTheRobotThenByTheScenario) {

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <regex>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/text/error.h"
 #include "firmware/app/factory_parameters.h"
@@ -19,6 +22,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 const std::filesystem::path kRobot = KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf";
@@ -87,6 +91,25 @@ TEST_F(RobotParametersTest, OutOfRangeAreRejectedWithTheirLine) {
   EXPECT_THAT(refusal("nmt_startup", 1), StartsWith("parameters.yaml:99: found nmt_startup, expected"));
 }
 
+// A gait or a fall detection without one of its parameters is refused with the name of that one. The front of
+// a fall and the step's time tell that there is one.
+TEST_F(RobotParametersTest, MissNoneOfAGroup) {
+  const std::vector<std::pair<std::string, std::vector<const char*>>> groups{
+      {"the whole of a gait",
+       {"step_width_mm", "acceleration_forward_mm_per_s2", "acceleration_lateral_mm_per_s2",
+        "acceleration_turn_mrad_per_s2", "longest_step_mm", "widest_step_mm", "narrowest_step_mm",
+        "com_height_mm", "step_time_ms"}},
+      {"the whole of fall detection",
+       {"fall_to_the_back_deg", "fall_to_the_side_deg", "smallest_lean_of_a_fall_deg"}}};
+  for (const auto& [group, names] : groups) {
+    for (const char* name : names)
+      EXPECT_THAT(refusal(name, {}), AllOf(HasSubstr(std::string("found no ") + name), HasSubstr(group)));
+  }
+  for (const char* name : {"double_support_percent", "step_height_mm", "swing_profile_percent",
+                           "zmp_forward_mm", "fall_lead_ms", "cycles_of_a_fall"})
+    EXPECT_THAT(refusal(name, {}), Not(HasSubstr("the whole of"))) << name;
+}
+
 TEST_F(RobotParametersTest, HaveACompleteGaitOrNone) {
   EXPECT_THAT(refusal("com_height_mm", {}),
               AllOf(HasSubstr("parameters.yaml: found no com_height_mm"), HasSubstr("the whole of a gait")));
@@ -109,13 +132,40 @@ TEST_F(RobotParametersTest, DescribeAReachablePosture) {
   EXPECT_THAT(refusal("widest_step_mm", 450), HasSubstr("a step that the legs reach"));
 }
 
+// The heights and the steps that a refusal names are the outermost which the legs reach.
+TEST_F(RobotParametersTest, NameTheReachOfTheLegsToTheMillimetre) {
+  std::smatch heights;
+  const std::string said = refusal("com_height_mm", 400);
+  ASSERT_TRUE(
+      std::regex_search(said, heights, std::regex("expected (\\d+) to (\\d+) mm, which the legs reach")))
+      << said;
+  const double lowest_mm = std::stod(heights[1]);
+  const double highest_mm = std::stod(heights[2]);
+  const std::string posture = "which the legs reach";
+  for (const double end_mm : {lowest_mm, highest_mm})  // within reach, with less than the longest step
+    EXPECT_THAT(refusal("com_height_mm", end_mm),
+                AllOf(HasSubstr("longest_step_mm"), Not(HasSubstr(posture))));
+  EXPECT_THAT(refusal("com_height_mm", lowest_mm - 1), HasSubstr(posture));
+  EXPECT_THAT(refusal("com_height_mm", highest_mm + 1), HasSubstr(posture));
+  for (const char* key : {"longest_step_mm", "widest_step_mm"}) {
+    std::smatch step;
+    const std::string refused = refusal(key, 450);
+    ASSERT_TRUE(std::regex_search(refused, step, std::regex("at most (\\d+) mm, or a lower"))) << refused;
+    EXPECT_EQ(refusal(key, std::stod(step[1])), "") << key;
+    EXPECT_NE(refusal(key, std::stod(step[1]) + 1), "") << key;
+  }
+}
+
 TEST_F(RobotParametersTest, KeepTheSolesApart) {
   EXPECT_EQ(
       refusal("narrowest_step_mm", 50),
       "parameters.yaml:99: found narrowest_step_mm = 50, expected at least 56 mm, with less the soles touch");
-  EXPECT_THAT(refusal("step_width_mm", 55), HasSubstr("at least 56 mm"));
-  EXPECT_THAT(refusal("narrowest_step_mm", 90), HasSubstr("at most the step width"));
-  EXPECT_THAT(refusal("widest_step_mm", 70), HasSubstr("at least the step width"));
+  EXPECT_THAT(refusal("step_width_mm", 55),
+              HasSubstr(":99: found step_width_mm = 55, expected at least 56 mm"));
+  EXPECT_THAT(refusal("narrowest_step_mm", 90),
+              HasSubstr(":99: found narrowest_step_mm = 90, expected at most the step width"));
+  EXPECT_THAT(refusal("widest_step_mm", 70),
+              HasSubstr(":99: found widest_step_mm = 70, expected at least the step width"));
 }
 
 // A foot that extends 62 mm in front of the ankle, with the centre of mass at 164 mm: 20.7 degrees.

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -13,6 +15,8 @@
 #include "sim_board/can/observer.h"
 #include "simulation/joint_level/joint_robots.h"
 #include "simulation/scenario/reader.h"
+#include "tests/closed_loop/other_robots.h"
+#include "tests/support/temporary_folder.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -98,6 +102,50 @@ TEST(JointRobot, SendsTargetsOnceInEachCycleAfterItsComputingTime) {
   }
 }
 
+// The controller's heartbeats, after which each drive would stop without them (kControllerHeartbeatLost_ms).
+class HeartbeatTimes final : public sim_board::BusObserver {
+ public:
+  void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t) override {
+    if (frame.identifier == 0x701) starts_us.push_back(start_us);
+  }
+  std::vector<std::uint64_t> starts_us;
+};
+
+TEST(JointRobot, SendsItsHeartbeatFiftyTimesASecond) {
+  JointRobot robot(joints_scenario(), 1);
+  HeartbeatTimes times;
+  robot.board().electronics().bus().set_observer(&times);
+  robot.step(1'000);
+  EXPECT_EQ(times.starts_us.size(), 50u);
+  for (std::size_t i = 1; i < times.starts_us.size(); ++i)
+    EXPECT_NEAR(static_cast<double>(times.starts_us[i] - times.starts_us[i - 1]), 20'000.0, 1'000.0);
+}
+
+// The sag of the common supply while the joints with these names turn by 0.3 rad, in mV.
+int sag_mV(const std::vector<std::string>& names) {
+  JointRobot robot(joints_scenario({{"initial.held_until_s", "100"}, {"noise", "false"}}), 1);
+  auto targets = part(robot, "joint_position_rad");
+  for (const std::string& name : names)
+    targets[static_cast<std::size_t>(*robot.robot().find_joint(name))] += 0.3;
+  robot.set_targets(targets);
+  int lowest_mV = 1'000'000;
+  for (int i = 0; i < 100; ++i) {
+    robot.step(1);
+    lowest_mV =
+        std::min(lowest_mV, static_cast<int>(robot.board().electronics().drive(0).values().supply_mV));
+  }
+  return static_cast<int>(1e3 * robot.robot().battery->open_circuit_V) - lowest_mV;
+}
+
+TEST(JointRobot, DrawsTheCurrentsOfAllDrivesFromItsBattery) {
+  const int one_mV = sag_mV({"head_pan"});
+  const int two_mV = sag_mV({"head_pan", "left_elbow"});
+  const int three_mV = sag_mV({"head_pan", "left_elbow", "right_elbow"});
+  EXPECT_GT(one_mV, 20);
+  EXPECT_GT(two_mV, one_mV + 20);
+  EXPECT_GT(three_mV, two_mV + 20);
+}
+
 TEST(JointRobot, HasEverySampleOfTheInertialUnit) {
   JointRobot robot(joints_scenario(), 1);
   robot.step(10);
@@ -108,6 +156,44 @@ TEST(JointRobot, HasEverySampleOfTheInertialUnit) {
   EXPECT_NEAR(std::hypot(accelerometer[0], accelerometer[1], accelerometer[2]), 9.81, 0.5);
   robot.step(0);
   EXPECT_TRUE(robot.imu_samples().empty());
+}
+
+// The scenario of the joints with another robot.
+class OtherJointRobot {
+ public:
+  explicit OtherJointRobot(const std::string& text) {
+    test::write_robot(folder_.path, text, true, false);
+    robot.emplace(joints_scenario({{"robot", (folder_.path / "robot.sdf").string()}}), 1);
+    robot->step(2'000);
+  }
+  std::optional<JointRobot> robot;
+  double weight_N() const { return 9.81 * robot->robot().total_mass_kg(); }
+
+ private:
+  test::TemporaryFolder folder_;
+};
+
+TEST(JointRobot, ObservesForcesOfItsFeetByTheKindOfSensor) {
+  const OtherJointRobot axes(test::default_robot());
+  EXPECT_NEAR(part(*axes.robot, "foot_left")[2] + part(*axes.robot, "foot_right")[2], axes.weight_N(),
+              0.1 * axes.weight_N());
+  const OtherJointRobot cells(test::with_pressure_cells(test::default_robot()));
+  double sum_N = 0.0;
+  for (const char* foot : {"foot_left", "foot_right"}) {
+    const auto forces_N = part(*cells.robot, foot);
+    for (std::size_t cell = 0; cell < 4; ++cell) sum_N += forces_N[cell];
+  }
+  EXPECT_NEAR(sum_N, cells.weight_N(), 0.1 * cells.weight_N());
+  const OtherJointRobot switches(test::with_contact_switches(test::default_robot()));
+  for (const char* foot : {"foot_left", "foot_right"})
+    EXPECT_EQ(part(*switches.robot, foot), (std::vector<double>{0, 0, 1, 0, 0, 0})) << foot;
+}
+
+TEST(JointRobot, ObservesZerosOfFeetWithoutSensors) {
+  const OtherJointRobot none(test::without_ankle_sensors(test::default_robot()));
+  for (const char* foot : {"foot_left", "foot_right"})
+    EXPECT_EQ(part(*none.robot, foot), std::vector<double>(6, 0.0)) << foot;
+  EXPECT_GT(part(*none.robot, "supply_V")[0], 7.0);
 }
 
 TEST(JointRobot, SeesEncodersInTheirSteps) {

@@ -462,5 +462,27 @@ TEST(MotionDiagnostics, OfTooManyThings) {
   EXPECT_EQ(compile_text(version_2("steps: [" + deep + "]\n")).codes(), "M041");
 }
 
+// Operands, operators and brackets up to the number that the reader of expressions takes.
+TEST(MotionLanguage, BoundsTheLengthOfAnExpression) {
+  const auto codes = [](const std::string& expression) {
+    return compile_text(version_2("variables: {x: 0}\nsteps: [{set: {x: \"" + expression + "\"}}]\n"))
+        .codes();
+  };
+  const auto repeated = [](const std::string& text, int times) {
+    std::string all;
+    for (int i = 0; i < times; ++i) all += text;
+    return all;
+  };
+  const auto operands = [&](int count) { return "max(0" + repeated(", 1", count - 1) + ")"; };
+  EXPECT_EQ(codes(operands(41)), "");
+  EXPECT_EQ(codes(operands(42)), "M030");
+  EXPECT_EQ(codes("0" + repeated(" + 1", 40)), "");
+  EXPECT_EQ(codes("0" + repeated(" + 1", 41)), "M030");
+  EXPECT_EQ(codes("0" + repeated(" * 1", 40)), "");
+  EXPECT_EQ(codes("0" + repeated(" * 1", 41)), "M030");
+  EXPECT_EQ(codes(repeated("(", 40) + "1" + repeated(")", 40)), "");
+  EXPECT_EQ(codes(repeated("(", 41) + "1" + repeated(")", 41)), "M030");
+}
+
 }  // namespace
 }  // namespace koboshi::simulation

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <initializer_list>
 #include <numbers>
 
@@ -97,6 +98,48 @@ TEST_F(TelemetryOfFrames, ShowsZmpAndCentreOfMassInTheSolesFrames) {
   EXPECT_EQ(said.zmp.y_m, -1.0 / 128);
   EXPECT_EQ(said.zmp.frame, hal::Side::kRight);
   EXPECT_EQ(said.com_S_m, (std::array{1.0 / 256, -1.0 / 256, 3.0 / 16}));
+}
+
+// Place in mm, angles in units of 2^-16 turns.
+TEST_F(TelemetryOfFrames, ShowsThePlaceAndTheGround) {
+  hear(0x202, 7, {0x10, 0x27, 0xF6, 0xFF, 0x00, 0x20, 0x01});
+  hear(0x302, 8, {0x00, 0x04, 0x00, 0xFE, 0x80, 0x00, 0xC0, 0xFF});
+  const Telemetry::Place& place = reader_.now().place;
+  EXPECT_NEAR(place.x_m, 10.0, 1e-12);
+  EXPECT_NEAR(place.y_m, -0.01, 1e-12);
+  EXPECT_NEAR(place.heading_rad, 45.0 * kDegree, 1e-12);
+  EXPECT_TRUE(place.ground_valid);
+  EXPECT_NEAR(place.slope_rad[0], 5.625 * kDegree, 1e-12);
+  EXPECT_NEAR(place.slope_rad[1], -2.8125 * kDegree, 1e-12);
+  EXPECT_NEAR(place.attitude_zero_rad[0], 0.703125 * kDegree, 1e-12);
+  EXPECT_NEAR(place.attitude_zero_rad[1], -0.3515625 * kDegree, 1e-12);
+  hear(0x202, 7, {0, 0, 0, 0, 0, 0, 0xFE});
+  EXPECT_FALSE(reader_.now().place.ground_valid);
+}
+
+// Lengths in units of 2^-15 m; each flag by itself.
+TEST_F(TelemetryOfFrames, ShowsThePlanAndTheMotionOfTheCentreOfMass) {
+  hear(0x482, 8, {0x00, 0x04, 0x00, 0xFC, 0x00, 0x02, 0x00, 0xFE});
+  EXPECT_EQ(reader_.now().com_motion.dcm_m, (std::array{1.0 / 32, -1.0 / 32}));
+  EXPECT_EQ(reader_.now().com_motion.dcm_error_m, (std::array{1.0 / 64, -1.0 / 64}));
+  hear(0x382, 8, {0, 0, 1 << 4, 0x00, 0x01, 0x00, 0xFF, 1 << 0});
+  EXPECT_TRUE(reader_.now().planned_zmp.valid);
+  EXPECT_EQ(reader_.now().planned_zmp.frame, hal::Side::kLeft);
+  EXPECT_EQ(reader_.now().planned_zmp.x_m, 1.0 / 128);
+  EXPECT_EQ(reader_.now().planned_zmp.y_m, -1.0 / 128);
+  EXPECT_TRUE(reader_.now().com_motion.valid);
+  EXPECT_EQ(reader_.now().com_motion.frame, hal::Side::kLeft);
+  EXPECT_FALSE(reader_.now().com_motion.compared);
+  EXPECT_EQ(reader_.now().com_motion.touches, (std::array{false, false}));
+  hear(0x382, 8, {0, 0, 1 << 5, 0, 0, 0, 0, 1 << 1 | 1 << 2 | 1 << 3});
+  EXPECT_FALSE(reader_.now().planned_zmp.valid);
+  EXPECT_EQ(reader_.now().planned_zmp.frame, hal::Side::kRight);
+  EXPECT_FALSE(reader_.now().com_motion.valid);
+  EXPECT_EQ(reader_.now().com_motion.frame, hal::Side::kRight);
+  EXPECT_TRUE(reader_.now().com_motion.compared);
+  EXPECT_EQ(reader_.now().com_motion.touches, (std::array{true, false}));
+  hear(0x382, 8, {0, 0, 0, 0, 0, 0, 0, 1 << 4});
+  EXPECT_EQ(reader_.now().com_motion.touches, (std::array{false, true}));
 }
 
 TEST_F(TelemetryOfFrames, ShowsTargetsAndPositionsAsJointAngles) {

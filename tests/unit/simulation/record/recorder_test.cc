@@ -88,6 +88,18 @@ TEST(Recorder, ReportsAFullDiskWhenClosed) {
   }
 }
 
+// A run of hours stops soon after the disk is full, not at its end.
+TEST(Recorder, ReportsAFullDiskDuringTheRun) {
+  test::TemporaryFolder folder;
+  std::filesystem::create_symlink("/dev/full", folder.path / "trace.csv");
+  Recorder recorder(folder.path, kColumns, WhenFull::kWait, 2048);
+  const auto record_for_long = [&] {
+    for (std::uint64_t i = 0; i < 10'000'000; ++i)
+      recorder.row(i, std::array<TraceValue, 2>{0.1 * static_cast<double>(i), 1});
+  };
+  EXPECT_THROW(record_for_long(), std::system_error);
+}
+
 TEST(Recorder, RejectsAMissingFolder) {
   EXPECT_THROW(Recorder("/nowhere/at/all", kColumns, WhenFull::kWait), std::system_error);
 }

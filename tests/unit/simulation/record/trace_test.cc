@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <string>
+#include <vector>
 
 namespace koboshi::simulation {
 namespace {
@@ -40,6 +42,24 @@ TEST(Trace, WritesTheNamesOfValues) {
   EXPECT_EQ(formatter.row(0, cells({0, 0})), "0,0,boot\n");
   EXPECT_EQ(formatter.row(0, cells({7, 7})), "0,7,a state whose name is longer than any number\n");
   EXPECT_EQ(formatter.row(0, cells({9, 9})), "0,9,\n");
+}
+
+// Rows of the longest names in every column. The C library aborts when the formatter's buffers are freed, if
+// one of them was too short by the commas.
+TEST(Trace, HoldsRowsOfTheLongestNames) {
+  static constexpr canopen::ValueName kNames[] = {{0, "a state whose name is longer than any number"},
+                                                  {1, "b state whose name is longer than any number"}};
+  constexpr std::size_t kColumns = 400;
+  for (const std::uint64_t first : {0u, 1u}) {
+    TraceFormatter formatter(
+        std::vector<TraceColumn>(kColumns, {"state_name", "", TraceKind::kInteger, kNames}));
+    for (const std::uint64_t value : {first, 1 - first}) {
+      std::string expected = "1844674407370.955161";
+      for (std::size_t i = 0; i < kColumns; ++i) expected += ',' + std::string(kNames[value].name);
+      EXPECT_EQ(formatter.row(1'844'674'407'370'955'161, std::vector<std::uint64_t>(kColumns, value)),
+                expected + '\n');
+    }
+  }
 }
 
 TEST(Trace, RepeatsCellsBesideThoseThatChange) {

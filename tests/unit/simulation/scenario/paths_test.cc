@@ -124,6 +124,25 @@ TEST_F(InputPath, NamesAreThoseOfAllFolders) {
   EXPECT_THAT(input_names(InputKind::kRobot), testing::IsSupersetOf({"chibi", "hanpo", "koboshi", "noppo"}));
 }
 
+TEST_F(InputPath, NamesAreOfFilesOfTheirKindOnly) {
+  for (const char* file :
+       {"scenarios/own.yaml", "scenarios/own.csv", "scenarios/notes.txt", "studies/push.yaml",
+        "studies/push.md", "studies/learn/run.yaml", "robots/box/robot.sdf", "robots/ball/robot.urdf",
+        "robots/mesh/box.stl", "robots/box/motions/nod.yaml", "robots/box/motions/bow.yaml",
+        "robots/box/motions/bow.kmot", "robots/box/motions/notes.txt"})
+    write(file);
+  const auto scenarios = input_names(InputKind::kScenario);
+  EXPECT_THAT(scenarios, testing::Contains("own"));
+  EXPECT_THAT(scenarios, testing::Not(testing::Contains("notes")));
+  const auto robots = input_names(InputKind::kRobot);
+  EXPECT_THAT(robots, testing::IsSupersetOf({"ball", "box"}));
+  EXPECT_THAT(robots, testing::Not(testing::Contains("mesh")));
+  EXPECT_THAT(input_names(InputKind::kStudy), testing::Contains("push"));
+  EXPECT_THAT(input_names(InputKind::kStudy), testing::Not(testing::Contains("run")));
+  EXPECT_THAT(robot_motion_names("robots/box/robot.sdf"), testing::ElementsAre("bow", "nod"));
+  EXPECT_THAT(robot_motion_names("robots/ball/robot.urdf"), testing::IsEmpty());
+}
+
 TEST(RepositoryRoot, IsTheNearestParentWithRobotsAndScenarios) {
   const TemporaryTree tree;
   tree.write("scenarios/deep/down/a.yaml", "");
