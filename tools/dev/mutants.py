@@ -19,8 +19,9 @@ Each mutant is one of:
 
 Mutants are drawn until --count of them are killed or have survived. The same sources, seed and folders give the same mutants
 in the same order. --skip leaves out the first ones: the number of lines that an interrupted run has reported. The test program
-with the most of the mutant's folder in its name judges first, then the others, by the time that they take. Each line of the report is: verdict, file:line, the change, and what noticed. The exit status is 1 if fewer
-than --at-least percent (default 0) were killed, 2 for bad arguments.
+with the most of the mutant's folder in its name judges first, then the others, by the time that they take. Each line of the
+report is: verdict, file:line, the change, and what noticed. The exit status is 1 if fewer than --at-least percent (default 0)
+were killed, 2 for bad arguments.
 """
 
 import argparse

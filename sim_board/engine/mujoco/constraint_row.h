@@ -20,7 +20,8 @@ struct ConstraintRow {
 };
 
 // Contribution of a moving body or joint to A. With 1 and a step of 1 ms, d stays within its bounds for any
-// CFM from 1e-7 to 10 m/(N s).
+// CFM from 1e-7 to 10 m/(N s), and for two moving bodies, from 2e-7: at this step, the row that couples a
+// follower with its leader (kCouplingForceMixing, 1e-7) is twice as soft as ODE's.
 inline constexpr double kInverseInertia = 1.0;
 
 // Smallest R per unit of A: MuJoCo keeps d below 0.9999.
