@@ -9,9 +9,10 @@
 
 namespace koboshi::bus {
 
-// The far end of a cable: what it answers to a frame that is sent arrives in its order.
+// The far end of a cable: its frames arrive in their order.
 class FarEnd : public sim_board::Transport {
  public:
+  void arrive(const hal::CanFrame& frame) { answers_.push_back(frame); }
   std::optional<hal::CanFrame> receive() final {
     if (answers_.empty()) return std::nullopt;
     const hal::CanFrame frame = answers_.front();

@@ -2,17 +2,17 @@
 
 #include <gtest/gtest.h>
 
-#include <deque>
 #include <set>
 
 #include "firmware/canopen/sdo/protocol.h"
+#include "tests/unit/bus/can/far_end.h"
 
 namespace koboshi::bus {
 namespace {
 
 // Nodes that answer each read with one number, on the first or the second SDO channel, from a number of
 // requests on. On their first channel, drives answer a controller instead.
-class Nodes final : public sim_board::Transport {
+class Nodes final : public FarEnd {
  public:
   bool send(const hal::CanFrame& frame, std::uint64_t) override {
     ++sent;
@@ -20,22 +20,13 @@ class Nodes final : public sim_board::Transport {
     if (sent <= deaf || frame.size != 8) return true;
     for (const auto& [request, response] : servers)
       if (frame.identifier == request && canopen::sdo::address_of(frame.data).index < 0x2000)
-        arrived.push_back(
-            {.identifier = response,
-             .size = 8,
-             .data = canopen::sdo::message(0x43, canopen::sdo::address_of(frame.data), 0x20192)});
+        arrive({.identifier = response,
+                .size = 8,
+                .data = canopen::sdo::message(0x43, canopen::sdo::address_of(frame.data), 0x20192)});
     return true;
   }
-  std::optional<hal::CanFrame> receive() override {
-    if (arrived.empty()) return std::nullopt;
-    const hal::CanFrame frame = arrived.front();
-    arrived.pop_front();
-    return frame;
-  }
-  std::string place() const override { return "a bus"; }
 
   std::map<std::uint16_t, std::uint16_t> servers;
-  std::deque<hal::CanFrame> arrived;
   std::set<std::uint16_t> requests;
   int sent = 0;
   int deaf = 0;  // requests that find no one
@@ -93,10 +84,10 @@ TEST(FindNode, FindsTheNodeWithAnIdByAnswersAndHeartbeats) {
   }
   EXPECT_FALSE(nodes.requests.contains(0x610));  // the controller's channel of drive 16
   nodes.requests.clear();
-  nodes.arrived.push_back({.identifier = 0x710, .size = 1, .data = {5}});
+  nodes.arrive({.identifier = 0x710, .size = 1, .data = {5}});
   EXPECT_FALSE(find_node(nodes, 6, 5'000));
   EXPECT_EQ(nodes.requests, std::set<std::uint16_t>{0x606});
-  nodes.arrived.push_back({.identifier = 0x706, .size = 1, .data = {4}});
+  nodes.arrive({.identifier = 0x706, .size = 1, .data = {4}});
   const auto stopped = find_node(nodes, 6, 5'000);
   ASSERT_TRUE(stopped);
   EXPECT_FALSE(stopped->answers_sdo);
@@ -107,8 +98,7 @@ TEST(Scan, SaysWhatPassedWhereNothingAnswers) {
   const ScanResult silent = scan_bus(nodes, kShort);
   EXPECT_TRUE(silent.nodes.empty());
   EXPECT_TRUE(sighting_text(silent).starts_with("no frame passed within ")) << sighting_text(silent);
-  for (std::uint16_t i = 0; i < 10; ++i)
-    nodes.arrived.push_back({.identifier = static_cast<std::uint16_t>(0x181 + i)});
+  for (std::uint16_t i = 0; i < 10; ++i) nodes.arrive({.identifier = static_cast<std::uint16_t>(0x181 + i)});
   const std::string text = sighting_text(scan_bus(nodes, kShort));
   EXPECT_TRUE(text.starts_with("10 frames passed within ")) << text;
   EXPECT_TRUE(text.ends_with("the identifiers 181, 182, 183, 184, 185, 186, 187, 188 and 2 others")) << text;

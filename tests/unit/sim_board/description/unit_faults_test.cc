@@ -18,7 +18,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::StartsWith;
 
-// What the checks of units expect instead of numbers of the robot.
+// Returns the ranges that the checks of units name for numbers of the robot outside of them.
 std::vector<std::string> expected_in(const std::string& text) {
   const XmlDraft draft("FILE", text, sdf_rule());
   std::vector<std::string> expected;
@@ -27,8 +27,8 @@ std::vector<std::string> expected_in(const std::string& text) {
   return expected;
 }
 
-// The small robot with a box on its base as well: of 0.106 m and 0.173 m, so that three times both are 0.8385
-// m.
+// The small robot with a box on its base, too. Its links measure 0.106 m and 0.173 m: the limit of lengths
+// is 0.8385 m, three times their sum.
 std::string boxed() {
   const std::size_t begin = kSmallRobot.find("<surface>");
   const std::string end = "</surface>";
