@@ -85,11 +85,13 @@ void add_learn_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command =
       program.add_subcommand("learn", "Train a policy that adds to the walking engine, by a study");
   command->footer(
-      "An evolution strategy over the weights of a small network. Every candidate is quantised, and runs in "
-      "the\n"
-      "firmware, in worlds and under pushes that the study draws. The results do not depend on --jobs. An\n"
-      "interrupted training resumes when it is called again. docs/reference/learn.md describes study and "
-      "results.\n\n"
+      "An evolution strategy or proximal policy optimisation over the weights of a small network. Every "
+      "network is\n"
+      "quantised, and runs in the firmware, in worlds and under pushes that the study draws. The results do "
+      "not\n"
+      "depend on --jobs. An interrupted training resumes when it is called again. docs/reference/learn.md "
+      "describes\n"
+      "study and results.\n\n"
       "Example:\n"
       "  koboshi learn residual --until 40 --out runs/learn/residual\n");
   command->add_option("STUDY", arguments->study, "The learning study's file or name")->required();

@@ -57,8 +57,9 @@ class Controller final {
   // Returns the values behind the object dictionary, for tests and for the record of a run.
   const ControllerValues& values() const { return values_; }
   const robot::RobotModel& model() const { return model_; }
-  // Returns the offsets of the policy and the signals that it saw, for training.
+  // Returns the offsets of the policy and the signals that it saw, for training, which may deviate from them.
   const policy::Residual& residual() const { return policy_control_.residual(); }
+  policy::Residual& residual() { return policy_control_.residual(); }
 
  private:
   using JointAngles = std::array<fixed::Angle, robot::kMaxJoints>;

@@ -33,6 +33,7 @@ class PolicyControl {
     if (residual_.active()) residual_.add_to(targets);
   }
   [[nodiscard]] const policy::Residual& residual() const { return residual_; }
+  [[nodiscard]] policy::Residual& residual() { return residual_; }
 
  private:
   void run(const behaviour::Behaviour& behaviour, const estimation::RobotState& robot,

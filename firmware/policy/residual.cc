@@ -16,6 +16,7 @@ fixed::Angle moved(fixed::Angle from, fixed::Angle to, fixed::Angle step) {
 
 void Residual::advance(const Policy& policy, const Observation& seen) {
   if (cause_ == Cause::kNone) evaluate(policy, seen);
+  if (deviates_) add_deviations(policy);
   if (cause_ != Cause::kNone) wanted_ = {};
   move_offsets(policy);
 }
@@ -57,6 +58,14 @@ void Residual::watch(const Policy& policy, Cause cause, std::size_t index) {
   if (++outside_ticks_ <= policy.patience_ticks()) return;
   cause_ = cause;
   cause_index_ = static_cast<std::uint8_t>(index);
+}
+
+// Both are at most kMaxOffset: no wrapping.
+void Residual::add_deviations(const Policy& policy) {
+  for (std::size_t i = 0; i < policy.output_count(); ++i) {
+    const fixed::Angle bound = policy.output(i).bound;
+    wanted_[i] = std::clamp(wanted_[i] + std::clamp(deviations_[i], -kMaxOffset, kMaxOffset), -bound, bound);
+  }
 }
 
 void Residual::move_offsets(const Policy& policy) {

@@ -23,6 +23,8 @@ enum class Cause : std::uint8_t {
 // to zero at their rates, and the engine walks on alone.
 class Residual {
  public:
+  using Deviations = std::array<fixed::Angle, kMaxOutputs>;
+
   // Runs the policy for one cycle, and moves the offsets towards its outputs. After the watchdog has stopped
   // it, moves them towards zero.
   void advance(const Policy& policy, const Observation& seen);
@@ -31,6 +33,12 @@ class Residual {
   void retreat(const Policy& policy);
   // Removes all offsets at once, for a robot without torque.
   void reset();
+  // Adds these deviations to the outputs of the policy, within their bounds, until the next call. A training
+  // explores by them; the watchdog ignores them.
+  void deviate(const Deviations& deviations) {
+    deviations_ = deviations;
+    deviates_ = true;
+  }
 
   // Returns whether an offset is not zero.
   [[nodiscard]] bool active() const { return active_; }
@@ -48,6 +56,7 @@ class Residual {
  private:
   void evaluate(const Policy& policy, const Observation& seen);
   void watch(const Policy& policy, Cause cause, std::size_t index);
+  void add_deviations(const Policy& policy);
   void move_offsets(const Policy& policy);
 
   Signals signals_;
@@ -55,9 +64,11 @@ class Residual {
   Activations b_;
   std::array<fixed::Angle, kMaxOutputs> wanted_{};
   std::array<fixed::Angle, kMaxOutputs> offsets_{};
+  Deviations deviations_{};
   std::array<std::uint8_t, kMaxOutputs> joints_{};
   std::uint8_t count_ = 0;  // of outputs
   bool active_ = false;
+  bool deviates_ = false;
   Cause cause_ = Cause::kNone;
   std::uint8_t cause_index_ = 0;
   std::uint8_t outside_ticks_ = 0;  // in a row

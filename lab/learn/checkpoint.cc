@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kCheckpointVersion = 1;
+constexpr int kCheckpointVersion = 2;
 
 Json json_of(const ValidationMean& validation) {
   return {{"generation", validation.generation},
@@ -41,10 +41,11 @@ ValidationMean validation_of(const Json& json) {
 Checkpoint checkpoint_of(const Json& json) {
   Checkpoint checkpoint;
   checkpoint.inputs = json.at("inputs").get<std::string>();
-  checkpoint.evolution = {.generation = json.at("generation").get<std::uint64_t>(),
-                          .mean = json.at("mean").get<std::vector<double>>(),
-                          .first_moment = json.at("first_moment").get<std::vector<double>>(),
-                          .second_moment = json.at("second_moment").get<std::vector<double>>()};
+  checkpoint.search = {.generation = json.at("generation").get<std::uint64_t>(),
+                       .steps = json.at("steps").get<std::uint64_t>(),
+                       .mean = json.at("mean").get<std::vector<double>>(),
+                       .first_moment = json.at("first_moment").get<std::vector<double>>(),
+                       .second_moment = json.at("second_moment").get<std::vector<double>>()};
   checkpoint.stage = json.at("stage").get<std::size_t>();
   checkpoint.survived = json.at("survived").get<std::vector<double>>();
   for (const Json& each : json.at("validations")) checkpoint.validations.push_back(validation_of(each));
@@ -55,10 +56,9 @@ Checkpoint checkpoint_of(const Json& json) {
 }
 
 bool is_consistent(const Checkpoint& checkpoint) {
-  const std::size_t size = checkpoint.evolution.mean.size();
-  return checkpoint.evolution.first_moment.size() == size &&
-         checkpoint.evolution.second_moment.size() == size && checkpoint.best_weights.size() == size &&
-         checkpoint.best < checkpoint.validations.size();
+  const std::size_t size = checkpoint.search.mean.size();
+  return checkpoint.search.first_moment.size() == size && checkpoint.search.second_moment.size() == size &&
+         checkpoint.best_weights.size() <= size && checkpoint.best < checkpoint.validations.size();
 }
 
 }  // namespace
@@ -68,16 +68,17 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint& check
   for (const ValidationMean& each : checkpoint.validations) validations.push_back(json_of(each));
   simulation::write_json(file, Json{{"version", kCheckpointVersion},
                                     {"inputs", checkpoint.inputs},
-                                    {"generation", checkpoint.evolution.generation},
+                                    {"generation", checkpoint.search.generation},
+                                    {"steps", checkpoint.search.steps},
                                     {"stage", checkpoint.stage},
                                     {"survived", checkpoint.survived},
                                     {"validations", validations},
                                     {"best", checkpoint.best},
                                     {"log_bytes", checkpoint.log_bytes},
                                     {"best_weights", checkpoint.best_weights},
-                                    {"mean", checkpoint.evolution.mean},
-                                    {"first_moment", checkpoint.evolution.first_moment},
-                                    {"second_moment", checkpoint.evolution.second_moment}});
+                                    {"mean", checkpoint.search.mean},
+                                    {"first_moment", checkpoint.search.first_moment},
+                                    {"second_moment", checkpoint.search.second_moment}});
 }
 
 std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& file) {

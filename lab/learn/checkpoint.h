@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lab/learn/evolution.h"
+#include "lab/policy_search/search_state.h"
 
 namespace koboshi::lab {
 
@@ -29,7 +29,7 @@ struct ValidationMean {
 // A training between two generations: all that the later ones depend on. Numbers survive the file to the bit.
 struct Checkpoint {
   std::string inputs{};  // a hash of the study, the scenario, their files and the program
-  EvolutionState evolution{};
+  SearchState search{};
   std::size_t stage = 0;
   std::vector<double> survived{};  // share by generation of this stage, the last ones
   std::vector<ValidationMean> validations{};

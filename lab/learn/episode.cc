@@ -27,51 +27,101 @@ Eigen::Vector3d led_to(const Eigen::Vector3d& velocity, double time_s) {
   return {velocity.x() * sine - velocity.y() * rest, velocity.x() * rest + velocity.y() * sine, turn_rad};
 }
 
+class WalkSums;
+
+// The host of an episode. Shows the cycles in which the policy runs to an observer.
+class LearningHost final : public sim_board::ControllerHost {
+ public:
+  LearningHost(std::span<const std::byte> contents, WalkSums& sums) : host_(contents), sums_(sums) {}
+
+  void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override;
+  void archive(sim_board::StateArchive& archive) override { host_.archive(archive); }
+
+ private:
+  simulation::InProcessHost host_;
+  WalkSums& sums_;
+};
+
 // Sums over the walk what a scenario trial does not measure.
 class WalkSums {
  public:
-  explicit WalkSums(const WatchSignals& watch) : watch_(watch) {}
+  WalkSums(const Eigen::Vector3d& velocity, CycleObserver* observer)
+      : velocity_(velocity), observer_(observer) {}
 
-  void set_host(const simulation::InProcessHost* host) { host_ = host; }
-  void add(const simulation::RunRecorder& recorder) {
-    if (recorder.telemetry().state != behaviour::State::kWalking) return;
-    ++count_;
-    const double tilt_rad = recorder.truth().tilt_rad;
-    lean_rad2_ += tilt_rad * tilt_rad;
-    add_offsets();
+  void set_policy(const policy::Policy& policy) { policy_ = policy; }
+  void begin_cycle(policy::Residual& residual) {
+    if (observer_ != nullptr) residual.deviate(observer_->deviations());
   }
-  void finish(Episode& episode) const {
-    if (count_ == 0) return;
-    episode.lean_rad2 = lean_rad2_ / static_cast<double>(count_);
-    episode.offset = offset_ / static_cast<double>(count_);
+  void end_cycle(const simulation::InProcessHost& host) {
+    if (host.values().policy.state == app::PolicyState::kStopped) stopped_ = true;
+    offset_ = mean_square_offset(host.residual());
+    if (observer_ == nullptr) return;
+    finish_cycle();
+    runs_ = host.values().policy.state == app::PolicyState::kActive;
+    if (runs_) observer_->cycle(host.residual().signals());
+  }
+  void add(simulation::Simulation& simulation, const simulation::RunRecorder& recorder) {
+    const double drawn_J = simulation.board().electronics().drawn_J();
+    const double energy_J = drawn_J - std::exchange(drawn_J_, drawn_J);
+    if (recorder.telemetry().state != behaviour::State::kWalking) return;
+    RewardTerms now{.walk_s = all_.walk_s + kMillisecond_s};
+    const Eigen::Vector3d off = recorder.walk().displacement() - led_to(velocity_, now.walk_s);
+    now.drift_m = off.head<2>().norm();
+    now.turn_rad = std::abs(off.z());
+    now.energy_J = all_.energy_J + energy_J;
+    const double tilt_rad = recorder.truth().tilt_rad;
+    now.lean_rad2_s = all_.lean_rad2_s + kMillisecond_s * tilt_rad * tilt_rad;
+    now.offset_s = all_.offset_s + kMillisecond_s * offset_;
+    all_ = now;
+  }
+  void finish(Episode& episode) {
+    finish_cycle();
+    if (all_.walk_s <= 0.0) return;
+    episode.lean_rad2 = all_.lean_rad2_s / all_.walk_s;
+    episode.offset = all_.offset_s / all_.walk_s;
     episode.policy_stopped = stopped_;
   }
-  void set_policy(const policy::Policy& policy) { policy_ = policy; }
 
  private:
-  void add_offsets() {
-    if (host_ == nullptr || policy_.output_count() == 0) return;
-    const policy::Residual& residual = host_->residual();
+  static constexpr double kMillisecond_s = 1e-3;
+
+  double mean_square_offset(const policy::Residual& residual) const {
+    if (policy_.output_count() == 0) return 0.0;
     double sum = 0.0;
     for (std::size_t i = 0; i < policy_.output_count(); ++i) {
       const double share = fixed::to_double(residual.offset(i)) / fixed::to_double(policy_.output(i).bound);
       sum += share * share;
     }
-    offset_ += sum / static_cast<double>(policy_.output_count());
-    stopped_ = stopped_ || residual.cause() != policy::Cause::kNone;
-    if (watch_ && count_ % kTick_ms == 0) watch_(residual.signals());
+    return sum / static_cast<double>(policy_.output_count());
+  }
+  void finish_cycle() {
+    if (observer_ != nullptr && runs_)
+      observer_->earned({.walk_s = all_.walk_s - told_.walk_s,
+                         .drift_m = all_.drift_m - told_.drift_m,
+                         .turn_rad = all_.turn_rad - told_.turn_rad,
+                         .energy_J = all_.energy_J - told_.energy_J,
+                         .lean_rad2_s = all_.lean_rad2_s - told_.lean_rad2_s,
+                         .offset_s = all_.offset_s - told_.offset_s});
+    runs_ = false;
+    told_ = all_;
   }
 
-  static constexpr std::uint64_t kTick_ms = hal::kControlPeriod_us / 1'000;
-
-  const WatchSignals& watch_;
-  const simulation::InProcessHost* host_ = nullptr;
+  const Eigen::Vector3d velocity_;
+  CycleObserver* const observer_;
   policy::Policy policy_;
-  std::uint64_t count_ = 0;  // milliseconds
-  double lean_rad2_ = 0.0;
+  RewardTerms all_{};   // since the walk began
+  RewardTerms told_{};  // to the observer
+  double drawn_J_ = 0.0;
   double offset_ = 0.0;
+  bool runs_ = false;  // the policy ran in the last cycle
   bool stopped_ = false;
 };
+
+void LearningHost::exchange(const hal::BatchInput& input, hal::BatchOutput& output) {
+  if (input.tick) sums_.begin_cycle(host_.residual());
+  host_.exchange(input, output);
+  if (input.tick) sums_.end_cycle(host_);
+}
 
 }  // namespace
 
@@ -86,7 +136,7 @@ EpisodePlayer::EpisodePlayer(const std::filesystem::path& scenario, std::span<co
 }
 
 Episode EpisodePlayer::play(std::span<const std::byte> image, const Course& course, std::uint64_t seed,
-                            const WatchSignals& watch) const {
+                            CycleObserver* observer) const {
   simulation::PreparedScenario prepared =
       image.empty() ? *prepared_ : simulation::with_policy(*prepared_, image);
   simulation::Scenario scenario = start_.walking(course.velocity, course.walk_s);
@@ -99,23 +149,21 @@ Episode EpisodePlayer::play(std::span<const std::byte> image, const Course& cour
                                              {impulse_N_s.x(), impulse_N_s.y(), 0.0}));
   }
   prepared.scenario = scenario;
-  WalkSums sums(watch);
+  WalkSums sums(course.velocity, observer);
   const std::vector<std::byte> aligned(image.begin(), image.end());
   policy::Policy policy;
   if (!image.empty() && policy::Policy::open(aligned, prepared.model.model, policy).ok())
     sums.set_policy(policy);
   const auto make_host = [&sums](std::span<const std::byte> contents) {
-    auto host = std::make_unique<simulation::InProcessHost>(contents);
-    sums.set_host(host.get());
-    return host;
+    return std::make_unique<LearningHost>(contents, sums);
   };
   Episode episode;
-  static_cast<ScenarioTrial&>(episode) =
-      watch_prepared(std::make_shared<const simulation::PreparedScenario>(std::move(prepared)), seed,
-                     make_host, [&](simulation::Simulation&, const simulation::RunRecorder& recorder) {
-                       sums.add(recorder);
-                       return recorder.fell();
-                     });
+  static_cast<ScenarioTrial&>(episode) = watch_prepared(
+      std::make_shared<const simulation::PreparedScenario>(std::move(prepared)), seed, make_host,
+      [&](simulation::Simulation& simulation, const simulation::RunRecorder& recorder) {
+        sums.add(simulation, recorder);
+        return recorder.fell();
+      });
   sums.finish(episode);
   episode.walk_s = std::max(0.0, episode.duration_s - 1e-6 * static_cast<double>(start_.ready_us));
   if (!episode.walked() || episode.walk_s <= 0.0) return episode;
@@ -147,6 +195,13 @@ EpisodePlayer::Course draw_course(const LearningStage& stage, double walk_s, std
     at_s += drawn(stage.interval_s);
   }
   return course;
+}
+
+double reward_of(const RewardTerms& terms, const RewardWeights& weights, double walk_s) {
+  return (weights.survival * terms.walk_s - weights.drift * terms.drift_m - weights.turn * terms.turn_rad -
+          weights.power * terms.energy_J - weights.lean * terms.lean_rad2_s -
+          weights.offset * terms.offset_s) /
+         walk_s;
 }
 
 double reward_of(const Episode& episode, const RewardWeights& weights, double walk_s) {

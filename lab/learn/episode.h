@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -28,8 +27,29 @@ struct Episode : ScenarioTrial {
   bool policy_stopped = false;  // by its watchdog
 };
 
-// Called after each tick of a walk with the signals that the policy saw.
-using WatchSignals = std::function<void(const policy::Signals::Values&)>;
+// How much the terms of the reward have grown. Over a whole walk they are the means of its episode, times its
+// duration.
+struct RewardTerms {
+  double walk_s = 0.0;
+  double drift_m = 0.0;
+  double turn_rad = 0.0;
+  double energy_J = 0.0;
+  double lean_rad2_s = 0.0;
+  double offset_s = 0.0;
+};
+
+// Follows the cycles of the controller in which the policy has run, and may deviate from its outputs.
+class CycleObserver {
+ public:
+  virtual ~CycleObserver() = default;
+
+  // Deviations from the outputs of the next cycle, if the policy runs in it.
+  virtual policy::Residual::Deviations deviations() { return {}; }
+  // A cycle, with what the policy saw.
+  virtual void cycle(const policy::Signals::Values& signals) = 0;
+  // What came of the cycle until the next one, or until the walk's end.
+  virtual void earned(const RewardTerms&) {}
+};
 
 // Plays walks of one scenario with different policies, commands, pushes and worlds. Files are read and
 // compiled once.
@@ -54,7 +74,7 @@ class EpisodePlayer {
   // Plays a course in the world of a seed; ends early when the robot has fallen. An empty image is the engine
   // alone. From any number of threads. Throws InputError for an image that the robot refuses.
   [[nodiscard]] Episode play(std::span<const std::byte> image, const Course& course, std::uint64_t seed,
-                             const WatchSignals& watch = {}) const;
+                             CycleObserver* observer = nullptr) const;
 
   [[nodiscard]] const simulation::NamedModel& model() const { return prepared_->model; }
   [[nodiscard]] const simulation::Scenario& scenario() const { return start_.scenario; }
@@ -72,6 +92,9 @@ class EpisodePlayer {
 // Draws the course of a seed in a stage.
 [[nodiscard]] EpisodePlayer::Course draw_course(const LearningStage& stage, double walk_s,
                                                 std::uint64_t seed);
+
+// The part of the reward that these terms make: the weighted shares of a walk of this duration.
+[[nodiscard]] double reward_of(const RewardTerms& terms, const RewardWeights& weights, double walk_s);
 
 // 1 for a robot on its feet at the end, else the share of the time before the loss, less 1; less the weighted
 // costs.

@@ -102,18 +102,40 @@ void read_network(const YamlMap& root, LearningStudy& study) {
   for (const YamlValue& value : root.list("outputs")) study.outputs.push_back(read_learned_output(value));
 }
 
-void read_search(const YamlMap& root, LearningStudy& study) {
-  static const std::vector<std::string> kAlgorithms{"es"};
-  const YamlMap search = root.child("search");
-  static_cast<void>(search.one_of("algorithm", kAlgorithms, "es"));
+void read_evolution(const YamlMap& search, LearningStudy& study) {
   study.population = read_size(search, "population", 2, 10'000, study.population);
   if (study.population % 2 != 0)
     throw search.error_at("population", count_text(study.population, "candidate"),
                           "an even number: candidates come in opposite pairs");
-  study.generations = read_size(search, "generations", 1, 1'000'000, study.generations);
   study.noise = search.number("noise", {.min = 1e-4, .max = 1.0}, study.noise);
-  study.learning_rate = search.number("learning_rate", {.min = 1e-5, .max = 1.0}, study.learning_rate);
   study.weight_decay = search.number("weight_decay", {.min = 0.0, .max = 0.5}, study.weight_decay);
+}
+
+void read_ppo(const YamlMap& search, LearningStudy& study) {
+  constexpr NumberRange kShare{.min = 0.0, .max = 1.0};
+  PpoOptions& ppo = study.ppo;
+  study.learning_rate = ppo.learning_rate;
+  ppo.deviation = search.number("deviation", {.min = 0.02, .max = 0.5}, ppo.deviation);
+  ppo.discount = search.number("discount", kShare, ppo.discount);
+  ppo.trace = search.number("trace", kShare, ppo.trace);
+  ppo.clip = search.number("clip", {.min = 0.01, .max = 1.0}, ppo.clip);
+  ppo.epochs = read_size(search, "epochs", 1, 100, ppo.epochs);
+  ppo.minibatch = read_size(search, "minibatch", 16, 1'000'000, ppo.minibatch);
+  if (!search.has("critic")) return;
+  ppo.critic.clear();
+  for (const YamlValue& value : search.list("critic"))
+    ppo.critic.push_back(static_cast<std::size_t>(value.integer({.min = 1, .max = 1'024})));
+}
+
+void read_search(const YamlMap& root, LearningStudy& study) {
+  static const std::vector<std::string> kAlgorithms{"es", "ppo"};
+  const YamlMap search = root.child("search");
+  const bool is_ppo = search.one_of("algorithm", kAlgorithms, "es") == "ppo";
+  study.algorithm = is_ppo ? LearningAlgorithm::kPpo : LearningAlgorithm::kEvolution;
+  study.algorithm_line = search.has("algorithm") ? search.line_of("algorithm") : 0;
+  is_ppo ? read_ppo(search, study) : read_evolution(search, study);
+  study.generations = read_size(search, "generations", 1, 1'000'000, study.generations);
+  study.learning_rate = search.number("learning_rate", {.min = 1e-5, .max = 1.0}, study.learning_rate);
 }
 
 // The seeds of training and of validation must not meet.

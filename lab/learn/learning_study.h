@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lab/policy_search/ppo.h"
 #include "sim_board/world/options.h"
 #include "simulation/disturbance/world_ranges.h"
 #include "simulation/model/robot_model.h"
@@ -51,6 +52,11 @@ struct RewardWeights {
   double offset = 0.0;  // per squared share of the bounds
 };
 
+enum class LearningAlgorithm {
+  kEvolution,  // lab/policy_search/evolution.h
+  kPpo,        // lab/policy_search/ppo.h
+};
+
 // docs/reference/learn.md.
 struct LearningStudy {
   std::filesystem::path file;
@@ -64,6 +70,9 @@ struct LearningStudy {
   std::vector<LearnedInput> inputs;
   std::vector<LearnedOutput> outputs;
 
+  LearningAlgorithm algorithm = LearningAlgorithm::kEvolution;
+  int algorithm_line = 0;
+  PpoOptions ppo{};             // without its learning rate and seed
   std::size_t population = 32;  // even
   std::size_t generations = 100;
   double noise = 0.05;  // standard deviation of the candidates' weights about the mean

@@ -19,8 +19,12 @@
 #include "lab/experiment/field_table.h"
 #include "lab/experiment/files.h"
 #include "lab/learn/episode.h"
-#include "lab/learn/mirrored_network.h"
+#include "lab/policy_search/evolution.h"
+#include "lab/learn/explorer.h"
+#include "lab/policy_search/mirrored_network.h"
+#include "lab/policy_search/ppo.h"
 #include "lab/trial/trial_recordings.h"
+#include "simulation/batch/parallel.h"
 #include "simulation/policy/signal_names.h"
 #include "simulation/scenario/reader.h"
 #include "tools/plot/figure.h"
@@ -48,7 +52,47 @@ MirroredNetwork network_of(const LearningStudy& study, const tools::PolicyMap& m
 struct Sums {
   double reward = 0.0;
   double survived = 0.0;
+
+  void add(const Episode& episode, const LearningStudy& study, double share) {
+    reward += share * reward_of(episode, study.reward, study.walk_s);
+    survived += episode.lost() ? 0.0 : share;
+  }
 };
+
+PpoOptions ppo_options(const LearningStudy& study) {
+  PpoOptions options = study.ppo;
+  options.learning_rate = study.learning_rate;
+  options.seed = study.seed;
+  return options;
+}
+
+Ppo ppo_of(const LearningStudy& study, const MirroredNetwork& network, const tools::PolicyMap& map,
+           const simulation::NamedModel& robot) {
+  return {ppo_options(study), network, map.inputs.size(),
+          study.mirror ? mirrored_outputs(map, robot) : MirrorImage::none(map.outputs.size())};
+}
+
+// Keeps what the policy has seen.
+class InputRows final : public CycleObserver {
+ public:
+  explicit InputRows(const tools::PolicyMap& map) : map_(map) {}
+
+  void cycle(const policy::Signals::Values& signals) override {
+    std::vector<double>& row = rows.emplace_back();
+    for (const tools::MappedInput& input : map_.inputs) row.push_back(signals[input.signal] * input.unit);
+  }
+
+  std::vector<std::vector<double>> rows;
+
+ private:
+  const tools::PolicyMap& map_;
+};
+
+// Shards keep an episode's score, and a gradient needs all of its cycles.
+void require_scores(const LearningStudy& study) {
+  if (study.algorithm == LearningAlgorithm::kPpo)
+    throw InputError(study.file, study.algorithm_line, "algorithm ppo in shards", "es, or one program");
+}
 
 // What the training needs to know of an episode, as a shard keeps it.
 const FieldTable<Episode>& episode_fields() {
@@ -98,18 +142,19 @@ class Training {
         overrides_(episode_overrides(study, options)),
         player_(study.scenario, overrides_),
         map_(learned_map(study, player_.model())),
-        network_(network_of(study, map_, player_.model())) {}
+        network_(network_of(study, map_, player_.model())),
+        ppo_(ppo_of(study, network_, map_, player_.model())) {}
 
   TrainingResult run() {
     begin();
-    while (evolution_->state().generation < last_generation()) generation();
-    if (writes() && evolution_->state().generation == study_.generations) finish();
-    return {now_.validations.front(), now_.validations.at(now_.best), evolution_->state().generation};
+    while (done() < last_generation()) generation();
+    if (writes() && done() == study_.generations) finish();
+    return {now_.validations.front(), now_.validations.at(now_.best), done()};
   }
 
   std::string inputs() const;
   // Generations that are finished, and the last one of this call.
-  std::uint64_t done() const { return evolution_ ? evolution_->state().generation : 0; }
+  std::uint64_t done() const { return now_.search.generation; }
   std::uint64_t last_generation() const {
     return options_.until == 0 ? study_.generations
                                : std::min<std::uint64_t>(options_.until, study_.generations);
@@ -120,12 +165,18 @@ class Training {
   std::filesystem::path file(const char* name) const { return options_.out / name; }
 
   void begin();
+  std::vector<double> first_parameters() const {
+    return is_ppo() ? ppo_.start() : network_.start(study_.seed);
+  }
   void generation();
+  Sums evolve(nlohmann::ordered_json& line);
+  Sums follow_gradient(nlohmann::ordered_json& line);
   void advance(double survived);
   using DrawCourse = std::function<EpisodePlayer::Course(std::uint64_t seed)>;
   std::vector<Episode> play(const std::string& phase, const std::vector<std::vector<double>>& networks,
                             const DrawCourse& draw, std::uint64_t first_seed, std::size_t seeds) const;
   Sums play_candidates(const std::vector<std::vector<double>>& candidates, std::vector<double>& scores) const;
+  Sums explore(std::vector<Path>& paths) const;
   void validate();
   ValidationMean mean_of_validation(const std::vector<double>& weights) const;
   tools::QuantisedPolicy quantised(std::span<const double> weights,
@@ -139,6 +190,13 @@ class Training {
   std::vector<std::vector<double>> recorded_rows(std::span<const std::byte> image) const;
   std::string draw_curve() const;
   std::string report(const tools::QuantisedPolicy& policy, std::size_t rows) const;
+  bool is_ppo() const { return study_.algorithm == LearningAlgorithm::kPpo; }
+  // The weights of the present network; the parameters of a search by gradients have others behind them.
+  std::vector<double> weights() const {
+    return {now_.search.mean.begin(),
+            now_.search.mean.begin() + static_cast<std::ptrdiff_t>(network_.parameters())};
+  }
+  std::uint64_t generation_seed() const { return study_.first_seed + done() * study_.episodes; }
   EvolutionOptions evolution_options() const {
     return {.population = study_.population,
             .noise = study_.noise,
@@ -159,8 +217,8 @@ class Training {
   const EpisodePlayer player_;
   const tools::PolicyMap map_;
   const MirroredNetwork network_;
+  const Ppo ppo_;
   Checkpoint now_;
-  std::optional<Evolution> evolution_;
 };
 
 tools::QuantisedPolicy Training::quantised(std::span<const double> weights,
@@ -183,16 +241,16 @@ void Training::begin() {
     if (found->inputs != now_.inputs)
       throw InputError(file("state.json"), 0, "a training with another study, robot or program",
                        "the same ones, or another folder by --out");
-    if (found->evolution.mean.size() != network_.parameters())
+    if (found->search.mean.size() != first_parameters().size() ||
+        found->best_weights.size() != network_.parameters())
       throw InputError(file("state.json"), 0, "weights of another network", "those of this study");
     now_ = std::move(*found);
-    evolution_.emplace(evolution_options(), now_.evolution);
     std::error_code error;
     std::filesystem::resize_file(file("log.jsonl"), now_.log_bytes, error);
     if (error) throw WriteError(file("log.jsonl"), error.value());
     return;
   }
-  evolution_.emplace(evolution_options(), network_.start(study_.seed));
+  now_.search = SearchState::at(first_parameters());
   if (writes()) write_whole_file(file("log.jsonl"), "");
   validate();
   save("");
@@ -224,34 +282,72 @@ Sums Training::play_candidates(const std::vector<std::vector<double>>& candidate
   const LearningStage& stage = study_.stages[now_.stage];
   const std::vector<Episode> played = play(
       fmt::format("generation {}", done() + 1), candidates,
-      [&](std::uint64_t seed) { return draw_course(stage, study_.walk_s, seed); },
-      study_.first_seed + done() * study_.episodes, study_.episodes);
+      [&](std::uint64_t seed) { return draw_course(stage, study_.walk_s, seed); }, generation_seed(),
+      study_.episodes);
   Sums sums;
   scores.assign(candidates.size(), 0.0);
   const double share = 1.0 / static_cast<double>(played.size());
   for (std::size_t i = 0; i < played.size(); ++i) {
-    const double reward = reward_of(played[i], study_.reward, study_.walk_s);
-    scores[i / study_.episodes] += reward / static_cast<double>(study_.episodes);
-    sums.reward += share * reward;
-    sums.survived += played[i].lost() ? 0.0 : share;
+    scores[i / study_.episodes] +=
+        reward_of(played[i], study_.reward, study_.walk_s) / static_cast<double>(study_.episodes);
+    sums.add(played[i], study_, share);
   }
   return sums;
 }
 
-void Training::generation() {
+Sums Training::evolve(nlohmann::ordered_json& line) {
+  Evolution evolution(evolution_options(), now_.search);
   std::vector<double> scores;
-  const Sums sums = play_candidates(evolution_->ask(), scores);
-  const std::string stage = study_.stages[now_.stage].name;
-  const std::vector<double> before = evolution_->state().mean;
-  evolution_->tell(scores);
-  const EvolutionState& state = evolution_->state();
+  const Sums sums = play_candidates(evolution.ask(), scores);
+  const std::vector<double> before = weights();
+  evolution.tell(scores);
+  now_.search = evolution.state();
   double step = 0.0;
-  for (std::size_t i = 0; i < before.size(); ++i) step += std::pow(state.mean[i] - before[i], 2);
+  for (std::size_t i = 0; i < before.size(); ++i) step += std::pow(now_.search.mean[i] - before[i], 2);
+  line = {{"best_reward", *std::ranges::max_element(scores)}, {"step", std::sqrt(step)}};
+  return sums;
+}
+
+Sums Training::explore(std::vector<Path>& paths) const {
+  const std::vector<std::byte> image = image_of(weights());
+  const std::vector<double> deviations = ppo_.deviations(now_.search);
+  std::vector<Episode> played(study_.episodes);
+  paths.resize(study_.episodes);
+  simulation::for_each_parallel(study_.episodes, options_.jobs, [&](std::size_t i) {
+    const std::uint64_t seed = generation_seed() + i;
+    Explorer explorer(map_, deviations, study_.reward, study_.walk_s, seed);
+    played[i] =
+        player_.play(image, draw_course(study_.stages[now_.stage], study_.walk_s, seed), seed, &explorer);
+    paths[i] = explorer.finish(played[i].lost());
+  });
+  Sums sums;
+  for (const Episode& each : played) sums.add(each, study_, 1.0 / static_cast<double>(played.size()));
+  return sums;
+}
+
+Sums Training::follow_gradient(nlohmann::ordered_json& line) {
+  std::vector<Path> paths;
+  const Sums sums = explore(paths);
+  std::size_t cycles = 0;
+  for (const Path& path : paths) cycles += path.cycles();
+  const PpoStep step = ppo_.improve(now_.search, paths);
+  double deviation = 0.0;
+  for (const double each : ppo_.deviations(now_.search))
+    deviation += each / static_cast<double>(map_.outputs.size());
+  line = {{"cycles", cycles},        {"divergence", step.divergence},
+          {"clipped", step.clipped}, {"value_error", step.value_error},
+          {"epochs", step.epochs},   {"deviation", deviation}};
+  return sums;
+}
+
+void Training::generation() {
+  const std::string stage = study_.stages[now_.stage].name;
+  nlohmann::ordered_json details;
+  const Sums sums = is_ppo() ? follow_gradient(details) : evolve(details);
   nlohmann::ordered_json line{
-      {"generation", state.generation}, {"stage", stage},
-      {"reward", sums.reward},          {"best_reward", *std::ranges::max_element(scores)},
-      {"survived", sums.survived},      {"step", std::sqrt(step)}};
-  if (state.generation % study_.validate_every == 0 || state.generation == study_.generations) {
+      {"generation", done()}, {"stage", stage}, {"reward", sums.reward}, {"survived", sums.survived}};
+  line.update(details);
+  if (done() % study_.validate_every == 0 || done() == study_.generations) {
     validate();
     const ValidationMean& last = now_.validations.back();
     line["validation_reward"] = last.reward;
@@ -260,8 +356,8 @@ void Training::generation() {
   advance(sums.survived);
   save(line.dump() + "\n");
   if (progress_)
-    progress_({state.generation, study_.generations, stage, sums.reward, sums.survived,
-               now_.validations.back(), now_.validations[now_.best]});
+    progress_({done(), study_.generations, stage, sums.reward, sums.survived, now_.validations.back(),
+               now_.validations[now_.best]});
 }
 
 void Training::advance(double survived) {
@@ -281,7 +377,7 @@ ValidationMean Training::mean_of_validation(const std::vector<double>& weights) 
       fmt::format("validation after {}", done()), {weights},
       [this](std::uint64_t seed) { return validation_course(seed); }, validation_seed(0),
       study_.validation_episodes);
-  ValidationMean mean{.generation = evolution_->state().generation};
+  ValidationMean mean{.generation = done()};
   const double share = 1.0 / static_cast<double>(played.size());
   for (const Episode& episode : played) {
     mean.reward += share * reward_of(episode, study_.reward, study_.walk_s);
@@ -298,7 +394,7 @@ ValidationMean Training::mean_of_validation(const std::vector<double>& weights) 
 
 // The first validation is that of the engine alone: the outputs of the first network are zero.
 void Training::validate() {
-  const std::vector<double>& weights = evolution_->state().mean;
+  const std::vector<double> weights = this->weights();
   now_.validations.push_back(mean_of_validation(weights));
   const bool is_best =
       now_.validations.size() == 1 || now_.validations.back().reward > now_.validations[now_.best].reward;
@@ -324,22 +420,15 @@ void Training::save(const std::string& log_line) {
   log.write(log_line);
   log.close();
   now_.log_bytes += log_line.size();
-  now_.evolution = evolution_->state();
   write_checkpoint(file("state.json"), now_);
 }
 
 std::vector<std::vector<double>> Training::recorded_rows(std::span<const std::byte> image) const {
   constexpr std::size_t kRecorded = 4;  // episodes: some thousand rows
-  std::vector<std::vector<double>> rows;
-  for (std::size_t i = 0; i < std::min(kRecorded, study_.validation_episodes); ++i) {
-    static_cast<void>(player_.play(image, validation_course(validation_seed(i)), validation_seed(i),
-                                   [&](const policy::Signals::Values& signals) {
-                                     std::vector<double>& row = rows.emplace_back();
-                                     for (const tools::MappedInput& input : map_.inputs)
-                                       row.push_back(signals[input.signal] * input.unit);
-                                   }));
-  }
-  return rows;
+  InputRows seen(map_);
+  for (std::size_t i = 0; i < std::min(kRecorded, study_.validation_episodes); ++i)
+    static_cast<void>(player_.play(image, validation_course(validation_seed(i)), validation_seed(i), &seen));
+  return std::move(seen.rows);
 }
 
 void Training::finish() {
@@ -380,11 +469,12 @@ std::string Training::report(const tools::QuantisedPolicy& policy, std::size_t r
                fmt::format("{:.{}f}", best.*member, decimals)};
   };
   std::string text = fmt::format(
-      "# {}\n\n{} generations of {} candidates, {} episodes each. The best network is that of generation {}, "
+      "# {}\n\n{} generations of {}{} episodes each. The best network is that of generation {}, "
       "by "
       "{} episodes of validation, seeds {} to {}, in `{}`: judge it on other seeds.\n\n{}\n\n",
-      study_.file.filename().string(), study_.generations, study_.population, study_.episodes,
-      best.generation, study_.validation_episodes, study_.validation_first_seed,
+      study_.file.filename().string(), study_.generations,
+      is_ppo() ? "" : count_text(study_.population, "candidate") + ", ", study_.episodes, best.generation,
+      study_.validation_episodes, study_.validation_first_seed,
       validation_seed(study_.validation_episodes - 1), study_.stepper, draw_curve());
   text += table_text(
       {"validation", "engine alone", "with the policy"},
@@ -430,6 +520,7 @@ std::string training_inputs(const LearningStudy& study, const TrainingOptions& o
 
 TrainingResult play_training_shard(const LearningStudy& study, const TrainingOptions& options,
                                    const Shard& shard, const ShowTraining& progress) {
+  require_scores(study);
   const auto trials = make_shard_trials(options.out, shard, episode_format(), options.jobs);
   TrainingOptions silent = options;
   silent.out.clear();
@@ -438,6 +529,7 @@ TrainingResult play_training_shard(const LearningStudy& study, const TrainingOpt
 
 TrainingResult merge_training(const LearningStudy& study, const TrainingOptions& options, std::size_t shards,
                               const ShowTraining& progress) {
+  require_scores(study);
   TrainingResult result;
   std::string so_far;
   const auto merge = [&](const std::filesystem::path& folder) {
@@ -458,6 +550,7 @@ TrainingResult merge_training(const LearningStudy& study, const TrainingOptions&
 
 std::vector<ShardProgress> training_progress(const LearningStudy& study, const TrainingOptions& options,
                                              std::size_t shards) {
+  require_scores(study);
   const auto trials = make_merged_trials(options.out, shards, episode_format(), {});
   TrainingOptions silent = options;
   silent.out.clear();

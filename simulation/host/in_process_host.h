@@ -27,6 +27,7 @@ class InProcessHost final : public sim_board::ControllerHost {
   const app::ControllerValues& values() const { return controller_.values(); }
   const robot::RobotModel& model() const { return controller_.model(); }
   const policy::Residual& residual() const { return controller_.residual(); }
+  policy::Residual& residual() { return controller_.residual(); }
 
  private:
   FlashMemory flash_;

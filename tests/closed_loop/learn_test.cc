@@ -93,6 +93,46 @@ TEST_F(Learn, GivesTheSameBytesWithTwoThreadsAndAfterAnInterruption) {
   expect_same_results("one", "three");
 }
 
+TEST_F(Learn, ByGradientsGivesTheSameBytesWithTwoThreadsAndAfterAnInterruption) {
+  study_.algorithm = lab::LearningAlgorithm::kPpo;
+  study_.learning_rate = 0.01;
+  study_.episodes = 2;
+  study_.stages.front().forward_m_per_s = {0.05, 0.1};
+  const lab::TrainingResult result = lab::train(study_, options("one"));
+  EXPECT_EQ(result.generations, 2u);
+  EXPECT_EQ(result.engine.offset, 0.0) << "the first network adds nothing, and a validation does not explore";
+  const std::string log = contents("one", "log.jsonl");
+  EXPECT_THAT(log, HasSubstr("\"survived\":1.0,\"cycles\":2"));  // two walks of a second: some 200
+  EXPECT_THAT(log, HasSubstr("\"divergence\":0."));
+  EXPECT_THAT(contents("one", "report.md"), HasSubstr("2 generations of 2 episodes each"));
+
+  lab::TrainingOptions resumed = options("two", 2);
+  resumed.until = 1;
+  static_cast<void>(lab::train(study_, resumed));
+  resumed.until = 0;
+  static_cast<void>(lab::train(study_, resumed));
+  expect_same_results("one", "two");
+}
+
+TEST_F(Learn, ByGradientsIsRefusedInShards) {
+  study_.algorithm = lab::LearningAlgorithm::kPpo;
+  study_.algorithm_line = 7;
+  const auto refusal = [](const auto& action) -> std::string {
+    try {
+      static_cast<void>(action());
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  const lab::TrainingOptions shards = options("shards");
+  const auto expected = HasSubstr("tiny.yaml:7: found algorithm ppo in shards, expected es, or one program");
+  EXPECT_THAT(refusal([&] { return lab::play_training_shard(study_, shards, {1, 2}); }), expected);
+  EXPECT_THAT(refusal([&] { return lab::merge_training(study_, shards, 2); }), expected);
+  EXPECT_THAT(refusal([&] { return lab::training_progress(study_, shards, 2); }), expected);
+  EXPECT_FALSE(std::filesystem::exists(shards.out));
+}
+
 TEST_F(Learn, InShardsGivesTheBytesOfOneProgram) {
   study_.generations = 1;
   static_cast<void>(lab::train(study_, options("alone")));

@@ -153,5 +153,29 @@ TEST_F(ResidualOfOneLayer, BeginsAnewAfterARetreat) {
   EXPECT_EQ(offset_deg(0), 0.0);
 }
 
+TEST_F(ResidualOfOneLayer, DeviatesWithinTheBound) {
+  robot_.roll = degrees(1.0);
+  advance(5);
+  const double output_deg = offset_deg(0);
+  residual_.deviate({degrees(0.5)});
+  advance(5);
+  EXPECT_NEAR(offset_deg(0), output_deg + 0.5, 1e-3);
+  residual_.deviate({fixed::Angle::min()});
+  advance(100);
+  EXPECT_NEAR(offset_deg(0), -4.0, 1e-3);
+  EXPECT_EQ(residual_.cause(), Cause::kNone) << "only the policy's own outputs are watched";
+  residual_.deviate({});
+  advance(100);
+  EXPECT_NEAR(offset_deg(0), output_deg, 1e-3);
+}
+
+TEST_F(ResidualOfOneLayer, DoesNotDeviateOnceItIsStopped) {
+  residual_.deviate({degrees(0.5)});
+  robot_.roll = degrees(30.0);
+  advance(50);
+  EXPECT_EQ(residual_.cause(), Cause::kInputOutOfRange);
+  EXPECT_FALSE(residual_.active());
+}
+
 }  // namespace
 }  // namespace koboshi::policy

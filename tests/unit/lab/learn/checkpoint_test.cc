@@ -14,10 +14,11 @@ using ::testing::HasSubstr;
 Checkpoint sample() {
   Checkpoint checkpoint;
   checkpoint.inputs = "0123456789abcdef";
-  checkpoint.evolution = {.generation = 12,
-                          .mean = {0.1, 1.0 / 3.0, -5e-324},
-                          .first_moment = {1e308, -0.0, 2.0},
-                          .second_moment = {0.7, 0.07, 0.007}};
+  checkpoint.search = {.generation = 12,
+                       .steps = 480,
+                       .mean = {0.1, 1.0 / 3.0, -5e-324},
+                       .first_moment = {1e308, -0.0, 2.0},
+                       .second_moment = {0.7, 0.07, 0.007}};
   checkpoint.stage = 1;
   checkpoint.survived = {0.25, 1.0};
   checkpoint.validations = {{.generation = 0, .reward = -0.1},
@@ -50,10 +51,11 @@ TEST_F(CheckpointFile, KeepsEveryBit) {
   const auto read = read_checkpoint(file_);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->inputs, written.inputs);
-  EXPECT_EQ(read->evolution.generation, 12u);
-  EXPECT_EQ(read->evolution.mean, written.evolution.mean);
-  EXPECT_EQ(read->evolution.first_moment, written.evolution.first_moment);
-  EXPECT_EQ(read->evolution.second_moment, written.evolution.second_moment);
+  EXPECT_EQ(read->search.generation, 12u);
+  EXPECT_EQ(read->search.steps, 480u);
+  EXPECT_EQ(read->search.mean, written.search.mean);
+  EXPECT_EQ(read->search.first_moment, written.search.first_moment);
+  EXPECT_EQ(read->search.second_moment, written.search.second_moment);
   EXPECT_EQ(read->stage, 1u);
   EXPECT_EQ(read->survived, written.survived);
   EXPECT_EQ(read->validations, written.validations);
@@ -66,14 +68,14 @@ TEST_F(CheckpointFile, IsNotThereBeforeTheFirst) { EXPECT_FALSE(read_checkpoint(
 
 TEST_F(CheckpointFile, RefusesWhatIsNoneWithOneLine) {
   EXPECT_THAT(refusal(""), HasSubstr("state.json: found"));
-  EXPECT_THAT(refusal("{\"version\": 1}"), HasSubstr("expected the state of a training"));
-  EXPECT_THAT(refusal("{\"version\": 2}"), HasSubstr("state.json: found version 2, expected 1"));
+  EXPECT_THAT(refusal("{\"version\": 2}"), HasSubstr("expected the state of a training"));
+  EXPECT_THAT(refusal("{\"version\": 1}"), HasSubstr("state.json: found version 1, expected 2"));
   EXPECT_THAT(refusal("[1]"), HasSubstr("state.json: found"));
 }
 
 TEST_F(CheckpointFile, RefusesListsThatDoNotFit) {
   Checkpoint checkpoint = sample();
-  checkpoint.best_weights.pop_back();
+  checkpoint.best_weights.assign(4, 0.0);
   write_checkpoint(file_, checkpoint);
   EXPECT_THROW(static_cast<void>(read_checkpoint(file_)), InputError);
   checkpoint = sample();

@@ -66,6 +66,19 @@ TEST(Reward, IsSurvivalLessTheWeightedCosts) {
   EXPECT_NEAR(reward_of(stood(), weights, kWalk_s), 2.0 - 0.1 - 0.05 - 0.12 - 0.1 - 0.05, 1e-12);
 }
 
+TEST(Reward, OfAWholeWalkIsTheSumOfItsCycles) {
+  const RewardWeights weights{
+      .survival = 2.0, .drift = 5.0, .turn = 0.5, .power = 0.01, .lean = 10.0, .offset = 0.25};
+  const Episode walk = stood();
+  const RewardTerms all{.walk_s = kWalk_s,
+                        .drift_m = kWalk_s * walk.drift_m_per_s,
+                        .turn_rad = kWalk_s * walk.turn_rad_per_s,
+                        .energy_J = kWalk_s * walk.power_W,
+                        .lean_rad2_s = kWalk_s * walk.lean_rad2,
+                        .offset_s = kWalk_s * walk.offset};
+  EXPECT_NEAR(reward_of(all, weights, kWalk_s), reward_of(walk, weights, kWalk_s), 1e-12);
+}
+
 TEST(Reward, OfALossRisesWithTheTimeBeforeIt) {
   Episode fell = stood();
   fell.outcome = Outcome::kFell;

@@ -108,6 +108,27 @@ TEST_F(LearningStudyReader, ReadsEverySetting) {
   EXPECT_EQ(study.reward.offset, 0.125);
 }
 
+TEST_F(LearningStudyReader, ReadsEverySettingOfPpo) {
+  const std::string es =
+      "{algorithm: es, population: 12, generations: 30, noise: 0.1, learning_rate: 0.03, weight_decay: "
+      "0.001}";
+  EXPECT_EQ(read(with(es, "{algorithm: ppo}")).learning_rate, PpoOptions().learning_rate);
+  const LearningStudy study =
+      read(with(es,
+                "{algorithm: ppo, generations: 7, learning_rate: 0.001, deviation: 0.3, discount: 0.98, "
+                "trace: 0.9, clip: 0.1, epochs: 3, minibatch: 512, critic: [16]}"));
+  EXPECT_EQ(study.algorithm, LearningAlgorithm::kPpo);
+  EXPECT_EQ(study.generations, 7u);
+  EXPECT_EQ(study.learning_rate, 0.001);
+  EXPECT_EQ(study.ppo.deviation, 0.3);
+  EXPECT_EQ(study.ppo.discount, 0.98);
+  EXPECT_EQ(study.ppo.trace, 0.9);
+  EXPECT_EQ(study.ppo.clip, 0.1);
+  EXPECT_EQ(study.ppo.epochs, 3u);
+  EXPECT_EQ(study.ppo.minibatch, 512u);
+  EXPECT_THAT(study.ppo.critic, ElementsAre(16));
+}
+
 TEST_F(LearningStudyReader, ReadsTheStudiesOfTheRepository) {
   std::size_t read = 0;
   for (const auto& each : std::filesystem::directory_iterator(KOBOSHI_SOURCE_DIR "/studies/learn")) {
@@ -125,7 +146,10 @@ TEST_F(LearningStudyReader, ReportsLineAndValueOfAnError) {
   EXPECT_THAT(refusal(with("[-1, 1]", "[1, -1]")), HasSubstr("study.yaml:8: found a range that ends"));
   EXPECT_THAT(refusal(with("population: 12", "population: 13")),
               HasSubstr("study.yaml:13: found 13 candidates"));
-  EXPECT_THAT(refusal(with("algorithm: es", "algorithm: ppo")), HasSubstr("study.yaml:13: found"));
+  EXPECT_THAT(refusal(with("algorithm: es", "algorithm: sac")),
+              HasSubstr("study.yaml:13: found sac, expected es or ppo"));
+  EXPECT_THAT(refusal(with("algorithm: es", "algorithm: ppo")), HasSubstr("study.yaml:13: found"))
+      << "with the settings of an evolution";
   EXPECT_THAT(
       refusal(with("first_seed: 2000", "first_seed: 1089")),
       HasSubstr("study.yaml:15: found seeds 1089 to 1108, expected other seeds than those of training"));

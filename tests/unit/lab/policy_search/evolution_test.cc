@@ -1,4 +1,4 @@
-#include "lab/learn/evolution.h"
+#include "lab/policy_search/evolution.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,11 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "lab/policy_search/search_state.h"
+
 namespace koboshi::lab {
 
 // An evolution strategy that follows an estimate of the gradient of the smoothed objective (T. Salimans et
 // al., "Evolution Strategies as a Scalable Alternative to Reinforcement Learning", 2017): opposite pairs of
-// candidates, ranks instead of scores, and steps by Adam (D. Kingma, J. Ba, 2015).
+// candidates, ranks instead of scores, and steps by Adam.
 
 struct EvolutionOptions {
   std::size_t population = 32;  // even
@@ -19,19 +21,11 @@ struct EvolutionOptions {
   std::uint64_t seed = 1;
 };
 
-// All that a later generation depends on, beside the options.
-struct EvolutionState {
-  std::uint64_t generation = 0;  // how many have been told
-  std::vector<double> mean{};
-  std::vector<double> first_moment{};   // of Adam
-  std::vector<double> second_moment{};  // of Adam
-};
-
 class Evolution {
  public:
   Evolution(const EvolutionOptions& options, std::vector<double> start);
   // Continues from a state.
-  Evolution(const EvolutionOptions& options, EvolutionState state);
+  Evolution(const EvolutionOptions& options, SearchState state);
 
   // The candidates of this generation: mean + noise, mean - noise, by pair. They depend on the state and the
   // seed alone.
@@ -40,13 +34,13 @@ class Evolution {
   // with equal scores share the mean of their ranks.
   void tell(std::span<const double> scores);
 
-  [[nodiscard]] const EvolutionState& state() const { return state_; }
+  [[nodiscard]] const SearchState& state() const { return state_; }
 
  private:
   [[nodiscard]] std::vector<std::vector<double>> noise() const;
 
   EvolutionOptions options_;
-  EvolutionState state_;
+  SearchState state_;
 };
 
 // Ranks of the scores, scaled to -0.5 for the lowest to 0.5 for the highest.

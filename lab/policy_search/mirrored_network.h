@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "lab/policy_search/network_batch.h"
 #include "simulation/model/robot_model.h"
 #include "tools/policy/mlp.h"
 #include "tools/policy/policy_map.h"
@@ -40,6 +41,8 @@ class MirroredNetwork {
   // Random hidden layers, and outputs that are zero: the robot begins with the engine alone.
   [[nodiscard]] std::vector<double> start(std::uint64_t seed) const;
   [[nodiscard]] tools::Mlp network(std::span<const double> parameters) const;
+  // The gradient with respect to the parameters, from that with respect to all weights and biases.
+  [[nodiscard]] std::vector<double> gradient(const std::vector<LayerGradient>& layers) const;
 
  private:
   std::vector<MirrorImage> images_;  // of the inputs, of each layer's rows

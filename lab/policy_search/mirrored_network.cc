@@ -1,4 +1,4 @@
-#include "lab/learn/mirrored_network.h"
+#include "lab/policy_search/mirrored_network.h"
 
 #include <algorithm>
 #include <array>
@@ -143,6 +143,28 @@ tools::Mlp MirroredNetwork::network(std::span<const double> parameters) const {
     mlp.layers.push_back(std::move(layer));
   }
   return mlp;
+}
+
+std::vector<double> MirroredNetwork::gradient(const std::vector<LayerGradient>& layers) const {
+  std::vector<double> gradient;
+  for (std::size_t i = 1; i < images_.size(); ++i) {
+    const MirrorImage& in = images_[i - 1];
+    const MirrorImage& out = images_[i];
+    const LayerGradient& layer = layers[i - 1];
+    for (std::size_t row = 0; row < out.place.size(); ++row) {
+      const std::size_t other = out.place[row];
+      if (other < row) continue;
+      for (std::size_t column = 0; column < in.place.size(); ++column) {
+        double slope = layer.weights[row * in.place.size() + column];
+        if (other != row)
+          slope +=
+              out.sign[row] * in.sign[column] * layer.weights[other * in.place.size() + in.place[column]];
+        gradient.push_back(slope);
+      }
+      gradient.push_back(layer.biases[row] + (other == row ? 0.0 : out.sign[row] * layer.biases[other]));
+    }
+  }
+  return gradient;
 }
 
 }  // namespace koboshi::lab

@@ -1,4 +1,4 @@
-#include "lab/learn/mirrored_network.h"
+#include "lab/policy_search/mirrored_network.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,6 @@
-#include "lab/learn/evolution.h"
+#include "lab/policy_search/evolution.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -9,26 +8,11 @@
 #include "sim_board/random/random_stream.h"
 
 namespace koboshi::lab {
-namespace {
-
-// Adam's decay rates and its guard against a division by zero: the values of its paper.
-constexpr double kFirstDecay = 0.9;
-constexpr double kSecondDecay = 0.999;
-constexpr double kAdamGuard = 1e-8;
-
-EvolutionState state_at(std::vector<double> start) {
-  EvolutionState state{.mean = std::move(start)};
-  state.first_moment.assign(state.mean.size(), 0.0);
-  state.second_moment.assign(state.mean.size(), 0.0);
-  return state;
-}
-
-}  // namespace
 
 Evolution::Evolution(const EvolutionOptions& options, std::vector<double> start)
-    : Evolution(options, state_at(std::move(start))) {}
+    : Evolution(options, SearchState::at(std::move(start))) {}
 
-Evolution::Evolution(const EvolutionOptions& options, EvolutionState state)
+Evolution::Evolution(const EvolutionOptions& options, SearchState state)
     : options_(options), state_(std::move(state)) {
   if (options_.population == 0 || options_.population % 2 != 0)
     throw std::logic_error("a population that does not come in pairs");
@@ -63,20 +47,12 @@ void Evolution::tell(std::span<const double> scores) {
     const double difference = ranks[2 * pair] - ranks[2 * pair + 1];
     for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] += difference * directions[pair][i];
   }
-  ++state_.generation;
-  const auto step = static_cast<double>(state_.generation);
-  const double first_scale = 1.0 / (1.0 - std::pow(kFirstDecay, step));
-  const double second_scale = 1.0 / (1.0 - std::pow(kSecondDecay, step));
   const double scale = 1.0 / (static_cast<double>(options_.population) * options_.noise);
-  for (std::size_t i = 0; i < gradient.size(); ++i) {
-    const double slope = scale * gradient[i];
-    double& first = state_.first_moment[i];
-    double& second = state_.second_moment[i];
-    first = kFirstDecay * first + (1.0 - kFirstDecay) * slope;
-    second = kSecondDecay * second + (1.0 - kSecondDecay) * slope * slope;
-    const double moved = first * first_scale / (std::sqrt(second * second_scale) + kAdamGuard);
-    state_.mean[i] += options_.learning_rate * moved - options_.weight_decay * state_.mean[i];
-  }
+  for (double& slope : gradient) slope *= scale;
+  const std::vector<double> before = state_.mean;
+  ascend(state_, gradient, options_.learning_rate);
+  ++state_.generation;
+  for (std::size_t i = 0; i < before.size(); ++i) state_.mean[i] -= options_.weight_decay * before[i];
 }
 
 std::vector<double> centred_ranks(std::span<const double> scores) {
