@@ -9,9 +9,6 @@
 
 namespace koboshi::lab {
 
-Evolution::Evolution(const EvolutionOptions& options, std::vector<double> start)
-    : Evolution(options, SearchState::at(std::move(start))) {}
-
 Evolution::Evolution(const EvolutionOptions& options, SearchState state)
     : options_(options), state_(std::move(state)) {
   if (options_.population == 0 || options_.population % 2 != 0)

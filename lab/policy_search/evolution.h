@@ -23,8 +23,7 @@ struct EvolutionOptions {
 
 class Evolution {
  public:
-  Evolution(const EvolutionOptions& options, std::vector<double> start);
-  // Continues from a state.
+  // Begins or continues.
   Evolution(const EvolutionOptions& options, SearchState state);
 
   // The candidates of this generation: mean + noise, mean - noise, by pair. They depend on the state and the

@@ -30,7 +30,7 @@ void evolve(Evolution& evolution, int generations) {
 const EvolutionOptions kToy{.population = 16, .noise = 0.1, .learning_rate = 0.05, .seed = 3};
 
 TEST(Evolution, ApproachesTheOptimum) {
-  Evolution evolution(kToy, std::vector<double>(kOptimum.size(), 0.0));
+  Evolution evolution(kToy, SearchState::at(std::vector<double>(kOptimum.size(), 0.0)));
   const double before = score_of(evolution.state().mean);
   evolve(evolution, 150);
   EXPECT_GT(score_of(evolution.state().mean), 0.02 * before);
@@ -38,7 +38,7 @@ TEST(Evolution, ApproachesTheOptimum) {
 }
 
 TEST(Evolution, AsksForOppositePairsAboutTheMean) {
-  const Evolution evolution(kToy, kOptimum);
+  const Evolution evolution(kToy, SearchState::at(kOptimum));
   const auto candidates = evolution.ask();
   ASSERT_EQ(candidates.size(), 16u);
   EXPECT_NE(candidates[0], candidates[2]);
@@ -50,9 +50,9 @@ TEST(Evolution, AsksForOppositePairsAboutTheMean) {
 }
 
 TEST(Evolution, ContinuesFromAStateWithTheSameBits) {
-  Evolution undisturbed(kToy, kOptimum);
+  Evolution undisturbed(kToy, SearchState::at(kOptimum));
   evolve(undisturbed, 7);
-  Evolution first(kToy, kOptimum);
+  Evolution first(kToy, SearchState::at(kOptimum));
   evolve(first, 3);
   Evolution second(kToy, first.state());
   evolve(second, 4);
@@ -62,7 +62,7 @@ TEST(Evolution, ContinuesFromAStateWithTheSameBits) {
 }
 
 TEST(Evolution, StaysWhereAllCandidatesAreEqual) {
-  Evolution evolution(kToy, kOptimum);
+  Evolution evolution(kToy, SearchState::at(kOptimum));
   evolution.tell(std::vector<double>(kToy.population, 0.7));
   EXPECT_EQ(evolution.state().mean, kOptimum);
 }
@@ -70,7 +70,7 @@ TEST(Evolution, StaysWhereAllCandidatesAreEqual) {
 TEST(Evolution, RemovesAShareOfTheWeights) {
   EvolutionOptions options = kToy;
   options.weight_decay = 0.25;
-  Evolution evolution(options, {1.0, -2.0});
+  Evolution evolution(options, SearchState::at({1.0, -2.0}));
   evolution.tell(std::vector<double>(kToy.population, 0.0));
   EXPECT_THAT(evolution.state().mean, ElementsAre(0.75, -1.5));
 }
