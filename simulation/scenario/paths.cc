@@ -122,6 +122,10 @@ std::vector<fs::path> searched_folders(const fs::path& folder) {
 
 bool is_name(const fs::path& given) { return !given.empty() && given == given.filename(); }
 
+// A robot's name, or a name within a scenario, goes before a file that happens to be called so, such as a
+// program `koboshi` beside the folder robots.
+bool is_name_first(const fs::path& given) { return is_name(given) && !given.has_extension(); }
+
 // Returns the file of a kind in a folder. The name may have the extension of the kind's files.
 fs::path find_named(const Place& place, const fs::path& folder, const fs::path& name) {
   for (const char* suffix : place.suffixes) {
@@ -248,10 +252,11 @@ fs::path find_input(InputKind kind, const fs::path& given) {
   if (kind == InputKind::kRobot && is_folder(path)) {
     if (fs::path file = robot_in(path); !file.empty()) return file;
   }
-  if (!is_name(given) || (is_there(path) && !is_folder(path))) return path;
+  const bool is_name_wanted = is_folder(path) || (kind == InputKind::kRobot && is_name_first(given));
+  if (!is_name(given) || (is_there(path) && !is_name_wanted)) return path;
   const std::vector<fs::path> folders = searched_folders({});
   if (const fs::path file = find_named(place_of(kind), folders, given); !file.empty()) return file;
-  if (is_there(path)) return path;  // a folder, which the reader refuses
+  if (is_there(path)) return path;
   refuse_name(given, place_of(kind).noun, folders, place_of(kind).folder, input_names(kind));
 }
 
@@ -287,7 +292,8 @@ fs::path read_input(const YamlValue& value, const fs::path& folder, InputKind ki
     for (const fs::path& base : searched_folders(folder))
       if (fs::path file = robot_in(base / value.text()); !file.empty()) return file;
   }
-  if (is_name(value.text()) && find_referenced(folder, value.text()).empty()) {
+  if (is_name_first(value.text()) ||
+      (is_name(value.text()) && find_referenced(folder, value.text()).empty())) {
     const std::vector<fs::path> folders = searched_folders(folder);
     if (const fs::path file = find_named(place_of(kind), folders, value.text()); !file.empty()) return file;
   }
@@ -318,8 +324,10 @@ bool has_robot_file(const YamlValue& value, const fs::path& folder, const fs::pa
 fs::path read_robot_file(const YamlValue& value, const fs::path& folder, const fs::path& robot,
                          const fs::path& subfolder) {
   const fs::path given = value.text();
-  if (!find_referenced(folder, given).empty()) return read_path(value, folder);
+  const bool is_path = !find_referenced(folder, given).empty();
+  if (is_path && !is_name_first(given)) return read_path(value, folder);
   if (fs::path file = find_robot_file(given, folder, robot, subfolder); !file.empty()) return file;
+  if (is_path) return read_path(value, folder);
   std::string expected =
       "a path relative to the scenario's folder, to the repository's root or to the robot's folder";
   if (is_name(given) && !fs::exists(robot.parent_path() / "parameters.yaml"))

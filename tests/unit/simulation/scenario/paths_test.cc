@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/text/error.h"
+#include "base/yaml/yaml_reader.h"
 #include "tests/unit/simulation/scenario/temporary_tree.h"
 
 namespace koboshi::simulation {
@@ -84,6 +85,14 @@ TEST_F(InputPath, OfANameMayHaveTheExtension) {
 TEST_F(InputPath, OfAFolderIsNoName) {
   fs::create_directories("walk");
   EXPECT_EQ(find_input(InputKind::kScenario, "walk"), data_folder() / "scenarios/walk.yaml");
+}
+
+// A program may be called as a robot is.
+TEST_F(InputPath, OfARobotsNameGoesBeforeAFileWithoutExtension) {
+  write("koboshi");
+  write("note");
+  EXPECT_EQ(find_input(InputKind::kRobot, "koboshi"), data_folder() / "robots/koboshi/robot.sdf");
+  EXPECT_EQ(find_input(InputKind::kRobot, "note"), "note");
 }
 
 TEST_F(InputPath, IsSearchedInTheSameFoldersIfItIsRelative) {
@@ -183,6 +192,18 @@ TEST(ReferencedFile, IsEmptyWithoutAReference) {
   const TemporaryTree tree;
   EXPECT_TRUE(find_referenced(tree.root(), "robots/box/other.sdf").empty());
   EXPECT_TRUE(find_referenced(tree.root(), "robots/box").empty()) << "a folder is no file";
+}
+
+TEST(NamedInput, OfAScenarioGoesBeforeAFileWithoutExtension) {
+  const TemporaryTree tree;
+  const auto robot = tree.write("robots/box/robot.sdf", "");
+  const auto motion = tree.write("robots/box/motions/bow.yaml", "");
+  tree.write("box", "a program");
+  tree.write("bow", "a program");
+  const YamlFile yaml(tree.write("scenarios/own.yaml", "robot: box\nmotion: bow\n"));
+  const YamlMap root = yaml.root();
+  EXPECT_EQ(read_input(root.value("robot"), tree.root() / "scenarios", InputKind::kRobot), robot);
+  EXPECT_EQ(read_robot_file(root.value("motion"), tree.root() / "scenarios", robot, "motions"), motion);
 }
 
 }  // namespace
