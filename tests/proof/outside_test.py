@@ -1,5 +1,9 @@
 """Builds and runs tests/proof/outside, an external project with its own board and behaviour. It uses find_package with an
-installed and then moved prefix or, with the argument `Folder`, add_subdirectory, which compiles everything again."""
+installed and then moved prefix or, with the argument `Folder`, add_subdirectory, which compiles the libraries again: without
+optimisation, which must give the bytes of the optimised program.
+
+Usage: outside_test.py BUILD_FOLDER COMPILER Installed | Folder
+"""
 
 import os
 import pathlib
@@ -59,7 +63,20 @@ class Installed(Project, unittest.TestCase):
 
 class Folder(Project, unittest.TestCase):
     def test_by_add_subdirectory(self):
-        self.run_programs(self.build(f"-DKOBOSHI_FOLDER={ROOT}", "-DCMAKE_UNITY_BUILD=ON"), ROOT / "scenarios")
+        # Without debug information, which would take a third of the time.
+        build = self.build(f"-DKOBOSHI_FOLDER={ROOT}", "-DCMAKE_UNITY_BUILD=ON", "-DCMAKE_BUILD_TYPE=Debug",
+                           "-DCMAKE_CXX_FLAGS_DEBUG=-D_GLIBCXX_ASSERTIONS")
+        self.run_programs(build, ROOT / "scenarios")
+        self.assert_bytes_of_the_program(build / "own_recorder")
+
+    def assert_bytes_of_the_program(self, recorder):
+        scenario, seconds = ROOT / "scenarios/squat.yaml", "7"  # boot, standing and the first half of a squat
+        optimised, unoptimised = self.folder / "optimised", self.folder / "unoptimised"
+        call(pathlib.Path(BUILD_FOLDER) / "bin/koboshi", "run", scenario, "--duration", seconds, "--out", optimised)
+        unoptimised.mkdir()
+        call(recorder, scenario, seconds, unoptimised)
+        for name in ("summary.json", "can.log", "trace.csv"):
+            self.assertEqual((optimised / name).read_bytes(), (unoptimised / name).read_bytes(), name)
 
 
 if __name__ == "__main__":
