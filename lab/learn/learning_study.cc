@@ -116,6 +116,8 @@ void read_ppo(const YamlMap& search, LearningStudy& study) {
   PpoOptions& ppo = study.ppo;
   study.learning_rate = ppo.learning_rate;
   ppo.deviation = search.number("deviation", {.min = 0.02, .max = 0.5}, ppo.deviation);
+  study.held_cycles =
+      read_size(search, "hold_ms", kLearnTick_ms, 1'000, study.held_cycles * kLearnTick_ms) / kLearnTick_ms;
   ppo.discount = search.number("discount", kShare, ppo.discount);
   ppo.trace = search.number("trace", kShare, ppo.trace);
   ppo.clip = search.number("clip", {.min = 0.01, .max = 1.0}, ppo.clip);

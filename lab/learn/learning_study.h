@@ -73,6 +73,7 @@ struct LearningStudy {
   LearningAlgorithm algorithm = LearningAlgorithm::kEvolution;
   int algorithm_line = 0;
   PpoOptions ppo{};             // without its learning rate and seed
+  std::size_t held_cycles = 5;  // in which the noise of the exploration is the same
   std::size_t population = 32;  // even
   std::size_t generations = 100;
   double noise = 0.05;  // standard deviation of the candidates' weights about the mean

@@ -19,8 +19,8 @@
 #include "lab/experiment/field_table.h"
 #include "lab/experiment/files.h"
 #include "lab/learn/episode.h"
-#include "lab/policy_search/evolution.h"
 #include "lab/learn/explorer.h"
+#include "lab/policy_search/evolution.h"
 #include "lab/policy_search/mirrored_network.h"
 #include "lab/policy_search/ppo.h"
 #include "lab/trial/trial_recordings.h"
@@ -315,7 +315,7 @@ Sums Training::explore(std::vector<Path>& paths) const {
   paths.resize(study_.episodes);
   simulation::for_each_parallel(study_.episodes, options_.jobs, [&](std::size_t i) {
     const std::uint64_t seed = generation_seed() + i;
-    Explorer explorer(map_, deviations, study_.reward, study_.walk_s, seed);
+    Explorer explorer(map_, deviations, study_.held_cycles, study_.reward, study_.walk_s, seed);
     played[i] =
         player_.play(image, draw_course(study_.stages[now_.stage], study_.walk_s, seed), seed, &explorer);
     paths[i] = explorer.finish(played[i].lost());
@@ -328,15 +328,18 @@ Sums Training::explore(std::vector<Path>& paths) const {
 Sums Training::follow_gradient(nlohmann::ordered_json& line) {
   std::vector<Path> paths;
   const Sums sums = explore(paths);
-  std::size_t cycles = 0;
-  for (const Path& path : paths) cycles += path.cycles();
-  const PpoStep step = ppo_.improve(now_.search, paths);
+  std::size_t steps = 0;
+  for (const Path& path : paths) steps += path.steps();
+  const PpoProgress progress = ppo_.improve(now_.search, paths);
   double deviation = 0.0;
   for (const double each : ppo_.deviations(now_.search))
     deviation += each / static_cast<double>(map_.outputs.size());
-  line = {{"cycles", cycles},        {"divergence", step.divergence},
-          {"clipped", step.clipped}, {"value_error", step.value_error},
-          {"epochs", step.epochs},   {"deviation", deviation}};
+  line = {{"steps", steps},
+          {"divergence", progress.divergence},
+          {"clipped", progress.clipped},
+          {"value_error", progress.value_error},
+          {"epochs", progress.epochs},
+          {"deviation", deviation}};
   return sums;
 }
 

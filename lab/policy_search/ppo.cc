@@ -52,7 +52,7 @@ void standardise(VectorXd& numbers) {
 
 }  // namespace
 
-// The cycles of all paths that have an advantage, by column.
+// The steps of all paths that have an advantage, by column.
 struct Ppo::Samples {
   MatrixXd inputs;
   MatrixXd actions;
@@ -65,7 +65,7 @@ struct Ppo::Samples {
 
 struct Ppo::Gradient {
   std::vector<double> all{};  // in the order of the parameters
-  double divergence = 0.0;    // sums over the chosen cycles
+  double divergence = 0.0;    // sums over the chosen steps
   double clipped = 0.0;
 };
 
@@ -103,8 +103,8 @@ std::vector<double> Ppo::deviations(const SearchState& state) const {
 
 std::vector<double> advantages(const Path& path, std::span<const double> values, double discount,
                                double trace) {
-  if (values.size() != path.cycles()) throw std::logic_error("a value for each cycle is needed");
-  std::vector<double> advantages(path.cycles() - (path.lost ? 0 : 1), 0.0);
+  if (values.size() != path.steps()) throw std::logic_error("a value for each step is needed");
+  std::vector<double> advantages(path.steps() - (path.lost ? 0 : 1), 0.0);
   double sum = 0.0;
   for (std::size_t i = advantages.size(); i-- > 0;) {
     const double next = i + 1 < values.size() ? values[i + 1] : 0.0;
@@ -117,8 +117,8 @@ std::vector<double> advantages(const Path& path, std::span<const double> values,
 Ppo::Samples Ppo::samples(const SearchState& state, const std::vector<Path>& paths) const {
   const auto outputs = static_cast<Index>(outputs_.place.size());
   std::size_t count = 0;
-  for (const Path& path : paths) count += path.cycles() - (path.lost || path.cycles() == 0 ? 0 : 1);
-  if (count == 0) throw std::logic_error("paths without a cycle");
+  for (const Path& path : paths) count += path.steps() - (path.lost || path.steps() == 0 ? 0 : 1);
+  if (count == 0) throw std::logic_error("paths without a step");
   NetworkBatch critic(this->critic(state));
   Samples samples;
   const auto inputs = static_cast<Index>(actor(state).inputs());
@@ -128,12 +128,12 @@ Ppo::Samples Ppo::samples(const SearchState& state, const std::vector<Path>& pat
   samples.returns.resize(static_cast<Index>(count));
   Index at = 0;
   for (const Path& path : paths) {
-    if (path.cycles() == 0) continue;
+    if (path.steps() == 0) continue;
     const MatrixXd seen =
-        Eigen::Map<const MatrixXd>(path.inputs.data(), inputs, static_cast<Index>(path.cycles()));
+        Eigen::Map<const MatrixXd>(path.inputs.data(), inputs, static_cast<Index>(path.steps()));
     const MatrixXd values = critic.forward(seen);
     const std::vector<double> better =
-        advantages(path, {values.data(), path.cycles()}, options_.discount, options_.trace);
+        advantages(path, {values.data(), path.steps()}, options_.discount, options_.trace);
     for (std::size_t i = 0; i < better.size(); ++i) {
       samples.advantages[at + static_cast<Index>(i)] = better[i];
       samples.returns[at + static_cast<Index>(i)] = better[i] + values(0, static_cast<Index>(i));
@@ -199,17 +199,17 @@ Ppo::Gradient Ppo::gradient(const SearchState& state, const Samples& samples,
   return gradient;
 }
 
-PpoStep Ppo::improve(SearchState& state, const std::vector<Path>& paths) const {
+PpoProgress Ppo::improve(SearchState& state, const std::vector<Path>& paths) const {
   const Samples samples = this->samples(state, paths);
   const auto count = static_cast<std::size_t>(samples.inputs.cols());
-  PpoStep step{.value_error = samples.value_error};
+  PpoProgress progress{.value_error = samples.value_error};
   sim_board::RandomStream random(options_.seed, "epochs " + std::to_string(state.generation));
   std::vector<Index> order(count);
   std::iota(order.begin(), order.end(), Index{0});
-  for (; step.epochs < options_.epochs && step.divergence <= kLargestDivergence; ++step.epochs) {
+  for (; progress.epochs < options_.epochs && progress.divergence <= kLargestDivergence; ++progress.epochs) {
     for (std::size_t i = count; i-- > 1;)
       std::swap(order[i], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(i + 1))]);
-    step.divergence = step.clipped = 0.0;
+    progress.divergence = progress.clipped = 0.0;
     for (std::size_t begin = 0; begin < count; begin += options_.minibatch) {
       const std::size_t size = std::min(options_.minibatch, count - begin);
       const Gradient gradient = this->gradient(state, samples, std::span(order).subspan(begin, size));
@@ -218,12 +218,12 @@ PpoStep Ppo::improve(SearchState& state, const std::vector<Path>& paths) const {
         double& logarithm = state.mean[actor_.parameters() + i];
         logarithm = std::clamp(logarithm, std::log(kLeastDeviation), std::log(kLargestDeviation));
       }
-      step.divergence += gradient.divergence / static_cast<double>(count);
-      step.clipped += gradient.clipped / static_cast<double>(count);
+      progress.divergence += gradient.divergence / static_cast<double>(count);
+      progress.clipped += gradient.clipped / static_cast<double>(count);
     }
   }
   ++state.generation;
-  return step;
+  return progress;
 }
 
 }  // namespace koboshi::lab

@@ -17,33 +17,33 @@ namespace koboshi::lab {
 
 struct PpoOptions {
   double deviation = 0.2;         // first standard deviation of the exploration, as a share of the bounds
-  double learning_rate = 0.0003;  // step size of Adam
-  double discount = 0.99;         // of a reward, by cycle
+  double learning_rate = 0.001;   // step size of Adam
+  double discount = 0.97;         // of a reward, by step
   double trace = 0.95;            // lambda of the advantages
   double clip = 0.2;              // largest gain of a ratio of probabilities that pays
-  std::size_t epochs = 5;         // passes over the cycles of a generation, at most
-  std::size_t minibatch = 2'048;  // cycles
+  std::size_t epochs = 5;         // passes over the steps of a generation, at most
+  std::size_t minibatch = 1'024;  // steps
   std::vector<std::size_t> critic{32,
                                   32};  // neurons of the hidden layers of the critic, which is not uploaded
   std::uint64_t seed = 1;
 };
 
-// What an exploring episode has seen, cycle by cycle. An action is the network's output plus noise times the
-// deviation of this output.
+// What an exploring episode has seen, step by step, each of one or more control cycles. An action is the
+// network's output plus noise times the deviation of this output.
 struct Path {
-  std::vector<double> inputs;   // of the network, for each cycle
-  std::vector<double> noise;    // standard normal, of the network's outputs, for each cycle
-  std::vector<double> rewards;  // for each cycle
+  std::vector<double> inputs;   // of the network, for each step
+  std::vector<double> noise;    // standard normal, of the network's outputs, for each step
+  std::vector<double> rewards;  // for each step
   // Ended by a loss, after which there are no rewards. The rewards after other ends are the critic's.
   bool lost = false;
 
-  [[nodiscard]] std::size_t cycles() const { return rewards.size(); }
+  [[nodiscard]] std::size_t steps() const { return rewards.size(); }
 };
 
 // What a generation has changed.
-struct PpoStep {
+struct PpoProgress {
   double divergence = 0.0;   // mean Kullback-Leibler divergence of the new policy from the old one
-  double clipped = 0.0;      // share of the cycles whose ratio has left the clip, in the last epoch
+  double clipped = 0.0;      // share of the steps whose ratio has left the clip, in the last epoch
   double value_error = 0.0;  // root mean square error of the critic, before
   std::size_t epochs = 0;    // that were played
 };
@@ -57,8 +57,8 @@ class Ppo {
   [[nodiscard]] std::vector<double> start() const;
   // Standard deviations of the exploration, by output.
   [[nodiscard]] std::vector<double> deviations(const SearchState& state) const;
-  // Plays the epochs of a generation. Requires a cycle at least.
-  PpoStep improve(SearchState& state, const std::vector<Path>& paths) const;
+  // Plays the epochs of a generation. Requires a step at least.
+  PpoProgress improve(SearchState& state, const std::vector<Path>& paths) const;
 
  private:
   struct Samples;
@@ -80,7 +80,7 @@ class Ppo {
   MirroredNetwork critic_;
 };
 
-// Advantages of the cycles of a path, by the critic's values of these cycles. The last cycle of a path that
+// Advantages of the steps of a path, by the critic's values of these steps. The last step of a path that
 // was not lost has none: its value stands for all that would have followed.
 [[nodiscard]] std::vector<double> advantages(const Path& path, std::span<const double> values,
                                              double discount, double trace);

@@ -26,7 +26,9 @@ class ExplorerOfTwoOutputs : public testing::Test {
                     {.joint = "b", .scale_rad = 0.05, .bound_rad = 0.05}};
     reward_.lean = 2.0;
   }
-  Explorer explorer(std::uint64_t seed = 1) const { return {map_, kDeviations, reward_, 8.0, seed}; }
+  Explorer explorer(std::uint64_t seed = 1, std::size_t held_cycles = 1) const {
+    return {map_, kDeviations, held_cycles, reward_, 8.0, seed};
+  }
 
   static inline const std::vector<double> kDeviations{0.2, 0.4};
   tools::PolicyMap map_;
@@ -74,6 +76,37 @@ TEST_F(ExplorerOfTwoOutputs, RecordsTheInputsOfTheNetworkWithinTheirRange) {
     explorer.earned({});
   }
   EXPECT_THAT(explorer.finish(false).inputs, ElementsAre(5.0, -10.0));
+}
+
+TEST_F(ExplorerOfTwoOutputs, HoldsTheNoiseAndSumsWhatItEarned) {
+  Explorer explorer = this->explorer(1, 3);
+  std::vector<fixed::Angle> played;
+  for (int cycle = 0; cycle < 7; ++cycle) {
+    played.push_back(explorer.deviations()[0]);
+    signals_[1] = cycle == 3 ? 1 : 0;
+    explorer.cycle(signals_);
+    explorer.earned({.walk_s = 0.08});
+  }
+  EXPECT_EQ(played[0], played[2]);
+  EXPECT_NE(played[2], played[3]);
+  EXPECT_EQ(played[3], played[5]);
+  const Path path = explorer.finish(false);
+  EXPECT_THAT(path.rewards,
+              ElementsAre(DoubleNear(0.03, 1e-12), DoubleNear(0.03, 1e-12), DoubleNear(0.01, 1e-12)));
+  EXPECT_THAT(path.inputs, ElementsAre(0.0, 5.0, 0.0));
+  EXPECT_EQ(path.noise.size(), 6u);
+}
+
+// A walk that begins while noise is held waits for the next one: the path says what was seen with each noise.
+TEST_F(ExplorerOfTwoOutputs, BeginsWithNewNoise) {
+  Explorer explorer = this->explorer(1, 3);
+  static_cast<void>(explorer.deviations());
+  for (int cycle = 0; cycle < 3; ++cycle) {
+    static_cast<void>(explorer.deviations());
+    explorer.cycle(signals_);
+    explorer.earned({.walk_s = 0.08});
+  }
+  EXPECT_THAT(explorer.finish(false).rewards, ElementsAre(DoubleNear(0.01, 1e-12)));
 }
 
 TEST_F(ExplorerOfTwoOutputs, ChargesALossToTheLastCycle) {

@@ -77,6 +77,7 @@ TEST_F(LearnPage, HasTheDefaultsOfTheCode) {
       {"outputs[].rate_deg_per_s", "required"},
       {"search.algorithm", "`es`"},
       {"search.deviation", number(study.ppo.deviation)},
+      {"search.hold_ms", number(10 * study.held_cycles)},
       {"search.discount", number(study.ppo.discount)},
       {"search.trace", number(study.ppo.trace)},
       {"search.clip", number(study.ppo.clip)},

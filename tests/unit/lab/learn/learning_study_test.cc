@@ -115,12 +115,13 @@ TEST_F(LearningStudyReader, ReadsEverySettingOfPpo) {
   EXPECT_EQ(read(with(es, "{algorithm: ppo}")).learning_rate, PpoOptions().learning_rate);
   const LearningStudy study =
       read(with(es,
-                "{algorithm: ppo, generations: 7, learning_rate: 0.001, deviation: 0.3, discount: 0.98, "
+                "{algorithm: ppo, generations: 7, learning_rate: 0.001, deviation: 0.3, hold_ms: 30, discount: 0.98, "
                 "trace: 0.9, clip: 0.1, epochs: 3, minibatch: 512, critic: [16]}"));
   EXPECT_EQ(study.algorithm, LearningAlgorithm::kPpo);
   EXPECT_EQ(study.generations, 7u);
   EXPECT_EQ(study.learning_rate, 0.001);
   EXPECT_EQ(study.ppo.deviation, 0.3);
+  EXPECT_EQ(study.held_cycles, 3u);
   EXPECT_EQ(study.ppo.discount, 0.98);
   EXPECT_EQ(study.ppo.trace, 0.9);
   EXPECT_EQ(study.ppo.clip, 0.1);

@@ -32,7 +32,7 @@ TEST(Advantages, OfAWalkThatWentOnEndWithTheCriticsValue) {
   EXPECT_THROW(static_cast<void>(advantages(walked, std::vector{0.0}, 0.5, 0.8)), std::logic_error);
 }
 
-// A toy: the state is a random number, and the reward of a cycle falls with the distance of the action from
+// A toy: the state is a random number, and the reward of a step falls with the distance of the action from
 // half of it. Both halves of the network are mirror images.
 class Toy : public testing::Test {
  protected:
@@ -60,7 +60,7 @@ class Toy : public testing::Test {
     std::vector<Path> paths(8);
     for (Path& path : paths) {
       path.lost = true;
-      for (int cycle = 0; cycle < 40; ++cycle) {
+      for (int step = 0; step < 40; ++step) {
         const std::vector<double> seen{random.within(1.0), random.within(1.0)};
         const std::vector<double> means = outputs(state, seen[0], seen[1]);
         double reward = 0.0;
@@ -93,11 +93,11 @@ TEST_F(Toy, GivesTheSameBitsAgain) {
   const Ppo ppo = this->ppo();
   SearchState one = SearchState::at(ppo.start());
   SearchState other = one;
-  const PpoStep step = ppo.improve(one, play(ppo, one, 1));
+  const PpoProgress progress = ppo.improve(one, play(ppo, one, 1));
   static_cast<void>(ppo.improve(other, play(ppo, other, 1)));
   EXPECT_EQ(one.mean, other.mean);
-  EXPECT_GT(step.divergence, 0.0);
-  EXPECT_GT(step.value_error, 0.0);
+  EXPECT_GT(progress.divergence, 0.0);
+  EXPECT_GT(progress.value_error, 0.0);
 }
 
 // With a huge step size the first epoch moves the policy too far for a second one.
@@ -106,9 +106,9 @@ TEST_F(Toy, EndsAGenerationThatHasMovedTooFar) {
   fast.learning_rate = 0.3;
   const Ppo ppo = this->ppo(fast);
   SearchState state = SearchState::at(ppo.start());
-  const PpoStep step = ppo.improve(state, play(ppo, state, 1));
-  EXPECT_EQ(step.epochs, 1u);
-  EXPECT_GT(step.clipped, 0.1);
+  const PpoProgress progress = ppo.improve(state, play(ppo, state, 1));
+  EXPECT_EQ(progress.epochs, 1u);
+  EXPECT_GT(progress.clipped, 0.1);
   for (const double deviation : ppo.deviations(state)) {
     EXPECT_GE(deviation, 0.02);
     EXPECT_LE(deviation, 0.5);
