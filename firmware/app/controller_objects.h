@@ -391,7 +391,7 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
       .comment = "Share of the DCM error by which the ZMP under the sole moves; 0: off."}},
     {OBJECT(0x2132, 10, walk.reaction.zmp_tracking_lateral, kReadWrite).within(0, 1900),
      {.name = "ZMP tracking lateral", .unit = kShareUnit, .comment = "The same to the side."}},
-    {OBJECT(0x2132, 11, walk.reaction.max_zmp_shift_forward, kReadWrite).within(0, 1500),
+    {OBJECT(0x2132, 11, walk.reaction.max_zmp_shift_forward, kReadWrite).within(0, 3000),
      {.name = "Longest ZMP shift forward",
       .unit = kShortLengthUnit,
       .comment = "By which the ZMP moves, so that it stays within the sole."}},

@@ -80,7 +80,7 @@ class Names(unittest.TestCase):
     def test_of_a_learning_study(self):
         result = self.run_program("learn", "residaul")
         self.assertEqual(2, result.returncode)
-        self.assertRegex(result.stderr, r"^residaul: found no such file, and no learning study of this name in \./studies/learn, .*: residual\n$")
+        self.assertRegex(result.stderr, r"^residaul: found no such file, and no learning study of this name in \./studies/learn, .*: pushes or residual; the nearest is residual\n$")
 
     def test_of_a_study(self):
         result = self.run_program("tune", "wlak")

@@ -36,7 +36,7 @@ inline walk::WalkParameters tuned_gait() {
                        .level_swing = 900,
                        .zmp_tracking_forward = 1000,
                        .zmp_tracking_lateral = 600,
-                       .max_zmp_shift_forward = 150,
+                       .max_zmp_shift_forward = 500,
                        .max_zmp_shift_lateral = 120,
                        .max_standing_dcm = 300}};
 }

@@ -82,6 +82,9 @@ TEST_F(ControllerWalk, PublishesItsPlannedZmp) {
 }
 
 TEST_F(ControllerWalk, AcceptsAVelocityWhileWalking) {
+  test::SdoPc pc{bench};
+  ASSERT_EQ(pc.write({0x2132, 9}, 0, 2),
+            canopen::AbortCode::kNone);  // the robot of the bench does not lean as planned
   bench.command(Command::kWalk);
   bench.run_ms(kGetsReady_ms);
   const double on_the_spot_rad = stride_rad();

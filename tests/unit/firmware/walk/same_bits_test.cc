@@ -59,7 +59,7 @@ std::uint64_t walk_digest(const WalkParameters& parameters, std::uint32_t seed) 
   return digest.value();
 }
 
-TEST(SameBits, OfATunedWalk) { EXPECT_EQ(walk_digest(test::tuned_gait(), 1), 0x45D9'DF83'4194'BD24u); }
+TEST(SameBits, OfATunedWalk) { EXPECT_EQ(walk_digest(test::tuned_gait(), 1), 0x24CD'C511'9140'9877u); }
 
 TEST(SameBits, OfAWalkThatReacts) {
   WalkParameters reacting = test::rigid();

@@ -148,7 +148,7 @@ TEST_F(LearningStudyReader, ReportsLineAndValueOfAnError) {
   EXPECT_THAT(refusal(with("population: 12", "population: 13")),
               HasSubstr("study.yaml:13: found 13 candidates"));
   EXPECT_THAT(refusal(with("algorithm: es", "algorithm: sac")),
-              HasSubstr("study.yaml:13: found sac, expected es or ppo"));
+              HasSubstr("study.yaml:13: found search.algorithm = sac, expected es or ppo"));
   EXPECT_THAT(refusal(with("algorithm: es", "algorithm: ppo")), HasSubstr("study.yaml:13: found"))
       << "with the settings of an evolution";
   EXPECT_THAT(
