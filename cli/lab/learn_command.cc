@@ -49,6 +49,7 @@ lab::TrainingResult show_training(const Train& train) {
 // Plays or merges the shards that --shard and --shards name.
 void learn_in_shards(const lab::LearningStudy& study, const lab::TrainingOptions& options,
                      const ShardArguments& shards, Invocation& invocation) {
+  lab::require_shards(study);
   const std::size_t count = shards.count(options.out);
   lab::keep_job(options.out, {lab::job_command(invocation.arguments), std::filesystem::current_path(), count,
                               lab::training_inputs(study, options)});

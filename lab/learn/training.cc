@@ -88,12 +88,6 @@ class InputRows final : public CycleObserver {
   const tools::PolicyMap& map_;
 };
 
-// Shards keep an episode's score, and a gradient needs all of its cycles.
-void require_scores(const LearningStudy& study) {
-  if (study.algorithm == LearningAlgorithm::kPpo)
-    throw InputError(study.file, study.algorithm_line, "algorithm ppo in shards", "es, or one program");
-}
-
 // What the training needs to know of an episode, as a shard keeps it.
 const FieldTable<Episode>& episode_fields() {
   using T = Episode;
@@ -515,6 +509,12 @@ TrainingResult train(const LearningStudy& study, const TrainingOptions& options,
   return Training(study, options, *trials, progress).run();
 }
 
+// Shards keep an episode's score, and a gradient needs all of its steps.
+void require_shards(const LearningStudy& study) {
+  if (study.algorithm == LearningAlgorithm::kPpo)
+    throw InputError(study.file, study.algorithm_line, "algorithm ppo in shards", "es, or one program");
+}
+
 std::string training_inputs(const LearningStudy& study, const TrainingOptions& options) {
   const auto none = make_no_trials();
   const ShowTraining silent;
@@ -523,7 +523,7 @@ std::string training_inputs(const LearningStudy& study, const TrainingOptions& o
 
 TrainingResult play_training_shard(const LearningStudy& study, const TrainingOptions& options,
                                    const Shard& shard, const ShowTraining& progress) {
-  require_scores(study);
+  require_shards(study);
   const auto trials = make_shard_trials(options.out, shard, episode_format(), options.jobs);
   TrainingOptions silent = options;
   silent.out.clear();
@@ -532,7 +532,7 @@ TrainingResult play_training_shard(const LearningStudy& study, const TrainingOpt
 
 TrainingResult merge_training(const LearningStudy& study, const TrainingOptions& options, std::size_t shards,
                               const ShowTraining& progress) {
-  require_scores(study);
+  require_shards(study);
   TrainingResult result;
   std::string so_far;
   const auto merge = [&](const std::filesystem::path& folder) {
@@ -553,7 +553,7 @@ TrainingResult merge_training(const LearningStudy& study, const TrainingOptions&
 
 std::vector<ShardProgress> training_progress(const LearningStudy& study, const TrainingOptions& options,
                                              std::size_t shards) {
-  require_scores(study);
+  require_shards(study);
   const auto trials = make_merged_trials(options.out, shards, episode_format(), {});
   TrainingOptions silent = options;
   silent.out.clear();

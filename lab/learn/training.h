@@ -52,6 +52,9 @@ struct TrainingResult {
 // The same training in shards, each of which plays its part of the episodes of every generation and of every
 // validation (lab/cluster/search_trials.h).
 
+// Throws InputError for a study that shards cannot play: by proximal policy optimisation.
+void require_shards(const LearningStudy& study);
+
 // A hash of all on which the episodes depend, beside their candidates and seeds.
 [[nodiscard]] std::string training_inputs(const LearningStudy& study, const TrainingOptions& options);
 

@@ -120,6 +120,13 @@ class Shards(Case):
                 self.assertIn(message, result.stderr)
                 self.assertEqual("", result.stdout)
 
+    def test_a_training_by_gradients_is_refused_without_a_trace(self):
+        folder = self.folder / "gradients"
+        for shards in (("--shards", "plan"), ("--shard", "1/2"), ("--shards", "merge")):
+            result = self.played("learn", "pushes", *shards, "--out", folder, status=2)
+            self.assertRegex(result.stderr, r"pushes\.yaml:\d+: found algorithm ppo in shards, expected es, or one program\n$")
+            self.assertFalse(folder.exists())
+
     def test_programs_that_are_not_installed(self):
         for option, message in ((("--slurm",), "sbatch: found no such program, expected Slurm's (apt install slurm-client)"),
                                 (("--parallel", ":"), "parallel: found no such program, expected GNU parallel")):
