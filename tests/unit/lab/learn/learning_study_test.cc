@@ -113,10 +113,10 @@ TEST_F(LearningStudyReader, ReadsEverySettingOfPpo) {
       "{algorithm: es, population: 12, generations: 30, noise: 0.1, learning_rate: 0.03, weight_decay: "
       "0.001}";
   EXPECT_EQ(read(with(es, "{algorithm: ppo}")).learning_rate, PpoOptions().learning_rate);
-  const LearningStudy study =
-      read(with(es,
-                "{algorithm: ppo, generations: 7, learning_rate: 0.001, deviation: 0.3, hold_ms: 30, discount: 0.98, "
-                "trace: 0.9, clip: 0.1, epochs: 3, minibatch: 512, critic: [16]}"));
+  const LearningStudy study = read(with(
+      es,
+      "{algorithm: ppo, generations: 7, learning_rate: 0.001, deviation: 0.3, hold_ms: 30, discount: 0.98, "
+      "trace: 0.9, clip: 0.1, epochs: 3, minibatch: 512, critic: [16]}"));
   EXPECT_EQ(study.algorithm, LearningAlgorithm::kPpo);
   EXPECT_EQ(study.generations, 7u);
   EXPECT_EQ(study.learning_rate, 0.001);
