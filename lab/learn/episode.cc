@@ -27,21 +27,6 @@ Eigen::Vector3d led_to(const Eigen::Vector3d& velocity, double time_s) {
   return {velocity.x() * sine - velocity.y() * rest, velocity.x() * rest + velocity.y() * sine, turn_rad};
 }
 
-class WalkSums;
-
-// The host of an episode. Shows the cycles in which the policy runs to an observer.
-class LearningHost final : public sim_board::ControllerHost {
- public:
-  LearningHost(std::span<const std::byte> contents, WalkSums& sums) : host_(contents), sums_(sums) {}
-
-  void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override;
-  void archive(sim_board::StateArchive& archive) override { host_.archive(archive); }
-
- private:
-  simulation::InProcessHost host_;
-  WalkSums& sums_;
-};
-
 // Sums over the walk what a scenario trial does not measure.
 class WalkSums {
  public:
@@ -117,11 +102,22 @@ class WalkSums {
   bool stopped_ = false;
 };
 
-void LearningHost::exchange(const hal::BatchInput& input, hal::BatchOutput& output) {
-  if (input.tick) sums_.begin_cycle(host_.residual());
-  host_.exchange(input, output);
-  if (input.tick) sums_.end_cycle(host_);
-}
+// The host of an episode. Tells the sums of every cycle.
+class LearningHost final : public sim_board::ControllerHost {
+ public:
+  LearningHost(std::span<const std::byte> contents, WalkSums& sums) : host_(contents), sums_(sums) {}
+
+  void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override {
+    if (input.tick) sums_.begin_cycle(host_.residual());
+    host_.exchange(input, output);
+    if (input.tick) sums_.end_cycle(host_);
+  }
+  void archive(sim_board::StateArchive& archive) override { host_.archive(archive); }
+
+ private:
+  simulation::InProcessHost host_;
+  WalkSums& sums_;
+};
 
 }  // namespace
 

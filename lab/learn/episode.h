@@ -47,7 +47,7 @@ class CycleObserver {
   virtual policy::Residual::Deviations deviations() { return {}; }
   // A cycle, with what the policy saw.
   virtual void cycle(const policy::Signals::Values& signals) = 0;
-  // What came of the cycle until the next one, or until the walk's end.
+  // The growth of the reward's terms between this cycle and the next one, or the end of the walk.
   virtual void earned(const RewardTerms&) {}
 };
 

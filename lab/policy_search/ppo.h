@@ -28,8 +28,8 @@ struct PpoOptions {
   std::uint64_t seed = 1;
 };
 
-// What an exploring episode has seen, step by step, each of one or more control cycles. An action is the
-// network's output plus noise times the deviation of this output.
+// The record of an exploring episode. A step lasts one or more control cycles. Its action is the network's
+// output plus noise times the deviation of this output.
 struct Path {
   std::vector<double> inputs;   // of the network, for each step
   std::vector<double> noise;    // standard normal, of the network's outputs, for each step
@@ -40,7 +40,7 @@ struct Path {
   [[nodiscard]] std::size_t steps() const { return rewards.size(); }
 };
 
-// What a generation has changed.
+// The outcome of a generation.
 struct PpoProgress {
   double divergence = 0.0;   // mean Kullback-Leibler divergence of the new policy from the old one
   double clipped = 0.0;      // share of the steps whose ratio has left the clip, in the last epoch
