@@ -323,7 +323,12 @@ Sums Training::follow_gradient(nlohmann::ordered_json& line) {
   std::vector<Path> paths;
   const Sums sums = explore(paths);
   std::size_t steps = 0;
-  for (const Path& path : paths) steps += path.steps();
+  for (const Path& path : paths) steps += path.learnable_steps();
+  if (steps == 0) {  // no robot has walked
+    ++now_.search.generation;
+    line = {{"steps", 0}};
+    return sums;
+  }
   const PpoProgress progress = ppo_.improve(now_.search, paths);
   double deviation = 0.0;
   for (const double each : ppo_.deviations(now_.search))

@@ -104,7 +104,7 @@ std::vector<double> Ppo::deviations(const SearchState& state) const {
 std::vector<double> advantages(const Path& path, std::span<const double> values, double discount,
                                double trace) {
   if (values.size() != path.steps()) throw std::logic_error("a value for each step is needed");
-  std::vector<double> advantages(path.steps() - (path.lost ? 0 : 1), 0.0);
+  std::vector<double> advantages(path.learnable_steps(), 0.0);
   double sum = 0.0;
   for (std::size_t i = advantages.size(); i-- > 0;) {
     const double next = i + 1 < values.size() ? values[i + 1] : 0.0;
@@ -117,7 +117,7 @@ std::vector<double> advantages(const Path& path, std::span<const double> values,
 Ppo::Samples Ppo::samples(const SearchState& state, const std::vector<Path>& paths) const {
   const auto outputs = static_cast<Index>(outputs_.place.size());
   std::size_t count = 0;
-  for (const Path& path : paths) count += path.steps() - (path.lost || path.steps() == 0 ? 0 : 1);
+  for (const Path& path : paths) count += path.learnable_steps();
   if (count == 0) throw std::logic_error("paths without a step");
   NetworkBatch critic(this->critic(state));
   Samples samples;

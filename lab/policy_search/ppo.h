@@ -38,6 +38,8 @@ struct Path {
   bool lost = false;
 
   [[nodiscard]] std::size_t steps() const { return rewards.size(); }
+  // Steps that have an advantage.
+  [[nodiscard]] std::size_t learnable_steps() const { return steps() - (lost || steps() == 0 ? 0 : 1); }
 };
 
 // The outcome of a generation.

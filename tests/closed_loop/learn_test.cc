@@ -114,6 +114,15 @@ TEST_F(Learn, ByGradientsGivesTheSameBytesWithTwoThreadsAndAfterAnInterruption) 
   expect_same_results("one", "two");
 }
 
+// So short an episode ends before the robot has taken a step of the search.
+TEST_F(Learn, ByGradientsPassesOverAGenerationWithoutAStep) {
+  study_.algorithm = lab::LearningAlgorithm::kPpo;
+  study_.generations = 1;
+  study_.walk_s = 0.02;
+  EXPECT_EQ(lab::train(study_, options("out")).generations, 1u);
+  EXPECT_THAT(contents("out", "log.jsonl"), HasSubstr("\"steps\":0"));
+}
+
 TEST_F(Learn, ByGradientsIsRefusedInShards) {
   study_.algorithm = lab::LearningAlgorithm::kPpo;
   study_.algorithm_line = 7;

@@ -32,6 +32,13 @@ TEST(Advantages, OfAWalkThatWentOnEndWithTheCriticsValue) {
   EXPECT_THROW(static_cast<void>(advantages(walked, std::vector{0.0}, 0.5, 0.8)), std::logic_error);
 }
 
+TEST(LearnableSteps, AreThoseWithAnAdvantage) {
+  EXPECT_EQ(Path().learnable_steps(), 0u);
+  EXPECT_EQ((Path{.inputs = {}, .noise = {}, .rewards = {}, .lost = true}.learnable_steps()), 0u);
+  EXPECT_EQ((Path{.inputs = {}, .noise = {}, .rewards = {1.0}, .lost = true}.learnable_steps()), 1u);
+  EXPECT_EQ((Path{.inputs = {}, .noise = {}, .rewards = {1.0}, .lost = false}.learnable_steps()), 0u);
+}
+
 // A toy: the state is a random number, and the reward of a step falls with the distance of the action from
 // half of it. Both halves of the network are mirror images.
 class Toy : public testing::Test {
