@@ -48,7 +48,7 @@ void CommandedWalk::advance(std::uint32_t elapsed_us, const motion::Inputs& inpu
   const auto load = [&](std::size_t foot) { return senses_contact ? robot.feet[foot].load : fixed::Force(); };
   walker_.advance(velocity_, {.roll = robot.roll,
                               .pitch = robot.pitch,
-                              .rates = robot.rates_B,
+                              .turn = robot.turn,
                               .loads = {load(0), load(1)},
                               .dcm = measured_dcm(robot.com),
                               .angles = inputs.angles});

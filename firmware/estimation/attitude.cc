@@ -2,6 +2,7 @@
 
 #include "firmware/fixed/gravity.h"
 #include "firmware/fixed/literals.h"
+#include "firmware/fixed/radians.h"
 #include "firmware/fixed/trigonometry.h"
 
 namespace koboshi::estimation {
@@ -18,6 +19,7 @@ constexpr Ratio kMinSquare = 0.7225_ratio;
 constexpr Ratio kMaxSquare = 1.3225_ratio;
 // k: the cycle of 10 ms over time constants of 2 s and of 0.1 s.
 constexpr Ratio kHalf = 0.5_ratio;
+constexpr Ratio kMinLevelSquare = 0.25_ratio;  // cos^2 of 60 degrees
 constexpr Ratio kMovingShare = 0.005_ratio;
 constexpr Ratio kRestingShare = 0.1_ratio;
 
@@ -47,6 +49,16 @@ fixed::Angle roll_of(const Direction& up_B) { return fixed::atan2(up_B.y, up_B.z
 
 fixed::Angle pitch_of(const Direction& up_B) {
   return fixed::atan2(-up_B.x, fixed::hypotenuse(up_B.y, up_B.z));
+}
+
+// The yaw rate of the angles yaw, pitch, roll by the rates in axes of B: (w_y sin roll + w_z cos roll) / cos
+// pitch (J. Diebel, Representing Attitude, 2006, equation 79), with up_B = (-sin pitch, sin roll cos pitch,
+// cos roll cos pitch).
+fixed::Angle heading_change(const robot::Vector<Ratio>& turn_B_rad, const Direction& up_B) {
+  const Ratio level_square = fixed::product_sum<Ratio>(up_B.y, up_B.y, up_B.z, up_B.z);
+  if (level_square < kMinLevelSquare) return fixed::from_rad(robot::dot(turn_B_rad, up_B));
+  const Ratio turn = fixed::product_sum<Ratio>(turn_B_rad.y, up_B.y, turn_B_rad.z, up_B.z);
+  return fixed::from_rad(fixed::quotient<Ratio>(turn, level_square));
 }
 
 void AttitudeEstimator::update(const robot::Vector<Ratio>& turn_B_rad, const Acceleration& force_B,

@@ -10,6 +10,13 @@ namespace koboshi::estimation {
 // [-1/4, 1/4] turn.
 [[nodiscard]] fixed::Angle roll_of(const robot::Direction& up_B);
 [[nodiscard]] fixed::Angle pitch_of(const robot::Direction& up_B);
+// Returns by how much the heading of the trunk's x axis, its yaw before pitch and roll, has changed.
+// `turn_B_rad`: rotation vector in a cycle, in axes of B, each component within +-0.5 rad; `up_B`: in the
+// middle of the cycle. With the trunk pitched by more than 60 degrees, where this axis has hardly a heading,
+// it is the turn about gravity. The two differ: a trunk whose roll and pitch oscillate out of phase turns
+// about gravity in each period by the area that they enclose, and heads where it did before.
+[[nodiscard]] fixed::Angle heading_change(const robot::Vector<fixed::Ratio>& turn_B_rad,
+                                          const robot::Direction& up_B);
 
 // Estimates roll and pitch of the trunk B with a complementary filter (as Mahony, Hamel and Pflimlin 2008,
 // for the direction against gravity alone, without heading). Its state is the unit vector up_B, which is

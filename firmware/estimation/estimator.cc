@@ -6,16 +6,35 @@
 #include "firmware/estimation/posture.h"
 #include "firmware/fixed/gravity.h"
 #include "firmware/fixed/interpolation.h"
+#include "firmware/fixed/literals.h"
 #include "firmware/fixed/radians.h"
 #include "firmware/fixed/saturating.h"
 #include "firmware/robot/kinematics.h"
 #include "hal/port/period.h"
 
 namespace koboshi::estimation {
+
+using namespace fixed::literals;
+
 namespace {
 
 std::uint32_t age_us(std::uint64_t now_us, std::uint64_t then_us) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(now_us - then_us, RobotState::kNever));
+}
+
+// Returns the rotation vector in a cycle at these rates, in rad.
+robot::Vector<fixed::Ratio> turn_in_cycle(const robot::Vector<fixed::AngularRate>& rates) {
+  static_assert(hal::kControlPeriod_us == 10'000);
+  constexpr fixed::Ratio kRadPerTurnAndCycle = literal<fixed::Ratio>(kRadPerTurn / 100.0L);
+  const auto turn = [](fixed::AngularRate rate) {
+    return fixed::product<fixed::Ratio>(rate, kRadPerTurnAndCycle);
+  };
+  return {turn(rates.x), turn(rates.y), turn(rates.z)};
+}
+
+robot::Direction middle(const robot::Direction& a, const robot::Direction& b) {
+  return {fixed::interpolate(a.x, b.x, 0.5_ratio), fixed::interpolate(a.y, b.y, 0.5_ratio),
+          fixed::interpolate(a.z, b.z, 0.5_ratio)};
 }
 
 }  // namespace
@@ -44,8 +63,10 @@ const RobotState& Estimator::update(std::span<const fixed::Angle> angles, bool r
                                     const LegEvidence& legs) {
   calibration_ = Calibration::kNone;
   update_gyro_bias(inertial_.rates(), rests);
-  update_attitude(rests);
-  if (!inertial_link_.is_trunk()) convert_to_trunk(angles);
+  const robot::Direction last_up_B = state_.up_B;
+  robot::Vector<fixed::Ratio> turn_B = update_attitude(rests);
+  if (!inertial_link_.is_trunk()) turn_B = convert_to_trunk(angles);
+  state_.turn = heading_change(turn_B, middle(last_up_B, state_.up_B));
   update_balance(angles, rests, legs);
   update_ages(now_us);
   update_contacts();
@@ -82,18 +103,18 @@ void Estimator::update_gyro_bias(const Rates& raw_B, bool rests) {
   state_.gyro_known = gyro_calibrations_ != 0 || bias_assumed_;
 }
 
-void Estimator::update_attitude(bool rests) {
+robot::Vector<fixed::Ratio> Estimator::update_attitude(bool rests) {
   using enum AttitudeEstimator::Condition;
   state_.accelerations_B = inertial_.accelerations();
   const robot::Vector<fixed::Ratio> turn_B = inertial_.take_turn(gyro_bias_.bias());
   attitude_.update(turn_B, state_.accelerations_B, rests ? kResting : kMoving);
   state_.up_B = attitude_.up_B();
-  turn_ = fixed::from_rad(dot(state_.up_B, turn_B));
   state_.roll = attitude_.roll();
   state_.pitch = attitude_.pitch();
+  return turn_B;
 }
 
-void Estimator::convert_to_trunk(std::span<const fixed::Angle> angles) {
+robot::Vector<fixed::Ratio> Estimator::convert_to_trunk(std::span<const fixed::Angle> angles) {
   inertial_link_.update(angles);
   const robot::Rotation& R_BL = inertial_link_.R_BL();
   state_.rates_B = R_BL * state_.rates_B - inertial_link_.w_BL_B();
@@ -101,7 +122,7 @@ void Estimator::convert_to_trunk(std::span<const fixed::Angle> angles) {
   state_.up_B = R_BL * state_.up_B;
   state_.roll = roll_of(state_.up_B);
   state_.pitch = pitch_of(state_.up_B);
-  turn_ = fixed::rotation(dot(state_.up_B, state_.rates_B), std::int32_t{hal::kControlPeriod_us});
+  return turn_in_cycle(state_.rates_B);
 }
 
 void Estimator::update_balance(std::span<const fixed::Angle> angles, bool rests, const LegEvidence& legs) {
@@ -114,7 +135,7 @@ void Estimator::update_balance(std::span<const fixed::Angle> angles, bool rests,
   const auto axes = level_axes(posture.X_BSole[foot].R, state_.up_B);
   state_.com = com_.update(posture, axes, state_.up_B, state_.accelerations_B, foot);
   const bool moves = !rests && !legs.stands_still && state_.gyro_known;
-  state_.odometer = odometry_.update(posture, axes, state_.up_B, turn_, foot, !moves);
+  state_.odometer = odometry_.update(posture, axes, state_.up_B, state_.turn, foot, !moves);
   if (legs.stands_still) state_.ground = ground_.update(posture, state_.up_B, state_.zmp);
 }
 

@@ -64,9 +64,11 @@ class Estimator {
 
  private:
   void update_gyro_bias(const Rates& raw_B, bool rests);
-  void update_attitude(bool rests);
-  // Converts attitude, rates and accelerations from the link of the inertial unit to the trunk.
-  [[gnu::cold]] void convert_to_trunk(std::span<const fixed::Angle> angles);
+  // Returns the rotation vector since the last cycle of the link that carries the inertial unit, in rad.
+  robot::Vector<fixed::Ratio> update_attitude(bool rests);
+  // Converts attitude, rates and accelerations from the link of the inertial unit to the trunk, and returns
+  // the trunk's rotation vector.
+  [[gnu::cold]] robot::Vector<fixed::Ratio> convert_to_trunk(std::span<const fixed::Angle> angles);
   void update_balance(std::span<const fixed::Angle> angles, bool rests, const LegEvidence& legs);
   void update_feet(const LegEvidence& legs);
   [[nodiscard]] hal::Side standing_foot(const LegEvidence& legs) const;
@@ -85,7 +87,6 @@ class Estimator {
   TorqueContact torque_contact_;                        // of a robot without ankle sensors
   CentreOfMassObserver com_;
   Odometry odometry_;
-  fixed::Angle turn_;  // of the trunk about gravity in the last cycle
   GroundEstimator ground_;
   fixed::Force weight_;
   hal::BySide<ContactWatch> contacts_;

@@ -15,15 +15,15 @@ struct Odometer {
 };
 
 // Adds up the way of the trunk. The foot that stands does not move, so the trunk moves as the joints move it
-// about that foot, in the plane by the attitude. The heading is the gyro's turn about gravity: a foot that
+// about that foot, in the plane by the attitude. The heading is the gyro's (heading_change): a foot that
 // bears twists on the floor, by up to a third of each turn. While the robot rests neither changes, so that
 // the gyro's remaining bias does not turn a robot that stands.
 //
 // Errors: what the feet slide, and the gyro's scale, 3 % of each turn (docs/experiment/estimation.md).
 class Odometry {
  public:
-  // Takes a cycle of 10 ms. `turn`: of the trunk about gravity in it, by the gyro without a filter, whose
-  // delay would turn a swaying trunk's motion into a drift of 0.2 deg/s. `axes`: those of `foot`, which
+  // Takes a cycle of 10 ms. `turn`: the change of the trunk's heading in it, by the gyro without a filter,
+  // whose delay would turn a swaying trunk's motion into a drift of 0.2 deg/s. `axes`: those of `foot`, which
   // stands; `rests`: the robot stands still.
   const Odometer& update(const Posture& posture, const std::optional<LevelAxes>& axes,
                          const robot::Direction& up_B, fixed::Angle turn, hal::Side foot, bool rests);

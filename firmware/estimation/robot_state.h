@@ -23,6 +23,7 @@ struct RobotState {
   fixed::Angle roll;                                   // about x, right positive; [-1/2, 1/2) turn
   fixed::Angle pitch;                                  // about y, forward positive; [-1/4, 1/4] turn
   robot::Vector<fixed::AngularRate> rates_B;           // free of the gyro's bias
+  fixed::Angle turn;                                   // change of the trunk's heading in this cycle
   robot::Vector<fixed::Acceleration> accelerations_B;  // specific force: one g upwards at rest
   bool gyro_known = false;  // the gyro's bias was measured or stored; without it attitude and rates drift
   std::uint32_t inertial_age_us = kNever;  // since the last sample; saturates

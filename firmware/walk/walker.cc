@@ -8,7 +8,6 @@
 #include "firmware/fixed/radians.h"
 #include "firmware/fixed/trigonometry.h"
 #include "firmware/robot/leg.h"
-#include "hal/port/period.h"
 
 namespace koboshi::walk {
 
@@ -326,7 +325,7 @@ void Walker::observe(const Observation& seen) {
   lean_mean_ = {.roll = fixed::interpolate(lean_mean_.roll, lean_.roll, kLeanMeanShare),
                 .pitch = fixed::interpolate(lean_mean_.pitch, lean_.pitch, kLeanMeanShare)};
   if (seen.dcm && reference() == seen.dcm->sole) compare(*seen.dcm);
-  heading_error_ += fixed::rotation(seen.rates.z, std::int32_t{hal::kControlPeriod_us});
+  heading_error_ += seen.turn;
 }
 
 std::optional<MeasuredDcm> Walker::expected_dcm() const {

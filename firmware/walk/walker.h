@@ -21,10 +21,10 @@ struct MeasuredDcm {
 
 // The measured motion of the trunk and the loads of the feet in one cycle.
 struct Observation {
-  fixed::Angle roll;                        // positive to the right
-  fixed::Angle pitch;                       // positive forward
-  robot::Vector<fixed::AngularRate> rates;  // in the trunk's axes, free of bias
-  hal::BySide<fixed::Force> loads{};        // of the feet
+  fixed::Angle roll;                  // positive to the right
+  fixed::Angle pitch;                 // positive forward
+  fixed::Angle turn;                  // change of the trunk's heading in this cycle, counter-clockwise
+  hal::BySide<fixed::Force> loads{};  // of the feet
   // If it is known: in the frame of reference()'s sole, or it is not used.
   std::optional<MeasuredDcm> dcm{};
   std::span<const fixed::Angle> angles{};  // measured, of all joints; empty: as the targets
@@ -235,7 +235,7 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   std::int32_t last_steps_ = 0;         // on the spot, of a robot that is to stop
   Stride stride_;                       // commanded, with the lengthening and the correction of the heading
   Speed speed_;
-  fixed::Angle heading_error_;  // turn by the gyro less commanded turn; positive to the left
+  fixed::Angle heading_error_;  // observed less commanded turn; positive to the left
   Angles standing_targets_{};
   Angles standing_offsets_{};  // from the first pose of the plan to that at the start
   std::int32_t blend_ticks_left_ = 0;

@@ -136,6 +136,56 @@ TEST(AttitudeEstimator, IgnoresAccelerationThatIsNotGravity) {
   }
 }
 
+// Roll and pitch of a walk whose trunk sways in circles, about a heading that changes slowly.
+struct Sway {
+  static constexpr double kRate_rad_per_s = 2 * M_PI * 2.5;
+
+  double roll(double t) const { return 0.06 * std::sin(kRate_rad_per_s * t); }
+  double pitch(double t) const { return 0.1 + 0.04 * std::cos(kRate_rad_per_s * t); }
+  Point up(double t) const { return up_of(roll(t), pitch(t)); }
+  // Returns the rates in axes of B, rad/s.
+  Point rates(double t) const {
+    const double roll_rate = 0.06 * kRate_rad_per_s * std::cos(kRate_rad_per_s * t);
+    const double pitch_rate = -0.04 * kRate_rad_per_s * std::sin(kRate_rad_per_s * t);
+    return {roll_rate - yaw_rate * std::sin(pitch(t)),
+            pitch_rate * std::cos(roll(t)) + yaw_rate * std::sin(roll(t)) * std::cos(pitch(t)),
+            -pitch_rate * std::sin(roll(t)) + yaw_rate * std::cos(roll(t)) * std::cos(pitch(t))};
+  }
+  double yaw_rate;
+};
+
+double turned_deg(const Sway& sway, double duration_s, bool about_gravity) {
+  const auto cycles = static_cast<int>(std::lround(duration_s / kCycle_s));
+  double sum_rad = 0.0;
+  for (int cycle = 0; cycle < cycles; ++cycle) {
+    const double middle_s = (cycle + 0.5) * kCycle_s;
+    Trunk trunk(sway.up(cycle * kCycle_s));
+    const Point turn = trunk.turn([&](double t) { return sway.rates(t); }, cycle * kCycle_s);
+    sum_rad += about_gravity ? dot(turn, sway.up(middle_s))
+                             : to_double(heading_change(fixed_vector<fixed::Ratio>(turn),
+                                                        fixed_vector<fixed::Ratio>(sway.up(middle_s))));
+  }
+  return sum_rad / kRadPerDegree;
+}
+
+TEST(HeadingChange, OfASwayingTrunkIsThatOfItsHeading) {
+  for (const double yaw_rate : {0.0, 0.3, -0.3}) {
+    const Sway sway{yaw_rate};
+    EXPECT_NEAR(turned_deg(sway, 20.0, false), 20.0 * yaw_rate / kRadPerDegree, 0.2) << yaw_rate;
+  }
+}
+
+// The reason for it: roll and pitch enclose 0.0075 rad^2 in each period of 0.4 s.
+TEST(HeadingChange, OfASwayingTrunkIsNotItsTurnAboutGravity) {
+  EXPECT_GT(std::abs(turned_deg(Sway{0.0}, 20.0, true)), 15.0);
+}
+
+TEST(HeadingChange, OfALyingTrunkIsItsTurnAboutGravity) {
+  const Point up = up_of(0.0, 80 * kRadPerDegree);
+  EXPECT_NEAR(to_double(heading_change(fixed_vector<fixed::Ratio>(0.1 * up), fixed_vector<fixed::Ratio>(up))),
+              0.1, 1e-6);
+}
+
 // One minute of walking with typical rates and accelerations. The gyro has noise and the residual bias of a
 // calibration, the accelerometer noise.
 TEST(AttitudeEstimator, StaysWithinADegreeAndAHalfOnAWalk) {

@@ -13,7 +13,6 @@ namespace koboshi::walk {
 namespace {
 
 using fixed::Angle;
-using fixed::AngularRate;
 using fixed::Force;
 using fixed::from_double;
 using fixed::Length;
@@ -26,9 +25,9 @@ constexpr std::size_t kLeft = 0;
 constexpr std::size_t kRight = 1;
 constexpr int kPlanAge = 5;  // cycles
 
-Observation turning(double y_rad_per_s, double z_rad_per_s) {
+Observation turning(double turn_rad) {
   Observation seen;
-  seen.rates = {{}, from_double<AngularRate>(y_rad_per_s), from_double<AngularRate>(z_rad_per_s)};
+  seen.turn = from_double<Angle>(turn_rad);
   return seen;
 }
 
@@ -376,7 +375,7 @@ double heading_left_rad(std::int16_t heading_hold, double turned_rad, const Velo
   constexpr int kShoveTicks = 10;
   constexpr double kTick_s = 0.01;
   double heading_rad = 0.0;
-  double rate_rad_per_s = 0.0;
+  double turn_rad = 0.0;  // in the last tick
   const auto trunk_yaw_rad = [&](Side from) {
     return test::yaw_rad(robot.posed().trunk_axis({1, 0, 0}, from));
   };
@@ -385,11 +384,10 @@ double heading_left_rad(std::int16_t heading_hold, double turned_rad, const Velo
     // A foot that still supports after this tick did not move during it.
     const std::array before{trunk_yaw_rad(Side::kLeft), trunk_yaw_rad(Side::kRight)};
     const auto swung = robot.swing_side();
-    robot.advance(command, turning(0, rate_rad_per_s + shove_rad / kTick_s));
+    robot.advance(command, turning(turn_rad + shove_rad));
     const auto swings = robot.swing_side();
     const Side stands = swings ? other(*swings) : swung ? other(*swung) : Side::kLeft;
-    const double turn_rad = trunk_yaw_rad(stands) - before[static_cast<std::size_t>(stands)];
-    rate_rad_per_s = turn_rad / kTick_s;
+    turn_rad = trunk_yaw_rad(stands) - before[static_cast<std::size_t>(stands)];
     heading_rad += turn_rad + shove_rad;
   }
   return heading_rad - 1e-3 * command.turn_mrad_per_s * 1'500 * kTick_s;

@@ -285,7 +285,7 @@ TEST(Walker, RepeatsAWalkAfterAnotherWalk) {
       };
       const Observation seen{.roll = Angle::from_raw(draw(30'000) * 1'000),
                              .pitch = Angle::from_raw(draw(30'000) * 1'000),
-                             .rates = {{}, {}, fixed::AngularRate::from_raw(draw(30'000) * 10)},
+                             .turn = Angle::from_raw(draw(30'000) * 30),
                              .loads = {fixed::Force::from_raw(draw(30'000) * 10), {}}};
       robot.advance({draw(200), draw(100), draw(800)}, seen);
       told.push_back(robot.targets());
