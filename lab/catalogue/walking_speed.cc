@@ -5,6 +5,7 @@
 
 #include "base/text/text.h"
 #include "lab/experiment/ladder.h"
+#include "lab/trial/landings.h"
 #include "lab/trial/pushes.h"
 
 namespace koboshi::lab {
@@ -14,6 +15,8 @@ using Direction = SpeedLadder::Direction;
 
 // A walk that takes longer than so many times the commanded distance over the command is not sustained.
 constexpr double kWalkPatience = 4.0;
+// Since the command; the robot has reached its speed then.
+constexpr double kSteadyFrom_s = 2.0;
 
 // +1, or -1 of a walk to the right.
 double sign_of(Direction direction, std::uint64_t seed) {
@@ -46,16 +49,37 @@ struct CommandedSpeed {
   double distance;  // m or rad
 };
 
+// Where a walk was when its third second began.
+struct UnderWay {
+  double time_s = 0.0;  // since the command
+  double progress = 0.0;
+};
+
 SpeedTrial play(const CommandedSpeed& speed, const StandingStart& start, std::uint64_t seed) {
   const double sign = sign_of(speed.direction, seed);
   const Eigen::Vector3d velocity = velocity_of(speed.direction, sign * speed.command);
   const double patience_s = kWalkPatience * speed.distance / speed.command;
-  const ScenarioTrial walk =
-      play_in_world(start.walking(velocity, patience_s), seed, [&](const simulation::RunRecorder& recorder) {
-        return progress(velocity, recorder.walk().displacement()) >= speed.distance;
-      });
-  const double time_s = walk.duration_s - 1e-6 * static_cast<double>(start.ready_us);
-  return judge_walk(speed.direction, speed.distance, sign, time_s, walk);
+  const double ready_s = 1e-6 * static_cast<double>(start.ready_us);
+  std::optional<Landings> landings;
+  std::optional<UnderWay> under_way;
+  double made = 0.0;
+  const Watch watch = [&](const simulation::Simulation& simulation, const simulation::RunRecorder& recorder) {
+    const double time_s = 1e-6 * static_cast<double>(simulation.board().now_us()) - ready_s;
+    if (!landings) landings.emplace(simulation.robot());
+    if (time_s >= 0.0) landings->observe(simulation);
+    made = progress(velocity, recorder.walk().displacement());
+    if (!under_way && time_s >= kSteadyFrom_s) under_way = UnderWay{time_s, made};
+    return recorder.fell() || made >= speed.distance;
+  };
+  const ScenarioTrial walk = watch_in_world(start.walking(velocity, patience_s), seed, watch);
+  const double time_s = walk.duration_s - ready_s;
+  SpeedTrial judged = judge_walk(speed.direction, speed.distance, sign, time_s, walk);
+  if (judged.not_sustained) return judged;
+  judged.landing_weights = landings->peak(0.95);
+  if (under_way && time_s > under_way->time_s)
+    judged.steady_percent =
+        100.0 * (made - under_way->progress) / (time_s - under_way->time_s) / speed.command;
+  return judged;
 }
 
 }  // namespace
@@ -96,6 +120,8 @@ const FieldTable<SpeedTrial>& speed_fields() {
       outcome_fields<T>(&T::outcome),
       Fields<T>{{{"speed_m_per_s", "speed [m/s]"}, &T::speed_m_per_s},
                 {{"turn_rad_per_s", "turn [rad/s]"}, &T::turn_rad_per_s},
+                {{"steady_percent", "steady speed [% of the command]", 1}, &T::steady_percent},
+                {{"landing_weights", "landing [weights]", 2}, &T::landing_weights},
                 {{"drift_m", "drift [m]", 2}, &T::drift_m},
                 {{"energy_J_per_m", "energy [J/m]", 0}, &T::energy_J_per_m},
                 {{"energy_J_per_rad", "energy [J/rad]", 1}, &T::energy_J_per_rad},

@@ -42,7 +42,9 @@ struct SpeedTrial {
   // Results of a sustained walk; the turn rate and its energy only on the spot, the others only elsewhere.
   std::optional<double> speed_m_per_s{};
   std::optional<double> turn_rad_per_s{};
-  std::optional<double> drift_m{};  // to the side, on the spot in any direction
+  std::optional<double> steady_percent{};   // of the command, from the third second on
+  std::optional<double> landing_weights{};  // Landings: 95th percentile of the walk's landings
+  std::optional<double> drift_m{};          // to the side, on the spot in any direction
   std::optional<double> energy_J_per_m{};
   std::optional<double> energy_J_per_rad{};
   std::optional<double> heading_off_deg{};  // unsigned

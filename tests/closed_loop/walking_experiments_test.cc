@@ -39,7 +39,12 @@ TEST(WalkingSpeed, SustainsASlowWalkAndNoImpossibleOne) {
   const double made_m_per_s = conclusions.values.at("forward_m_per_s");
   EXPECT_GT(made_m_per_s, 0.05);
   EXPECT_LT(made_m_per_s, 0.15) << "faster than it was told to";
-  EXPECT_GT(lab::speed_fields().trials(result.cells[0]).at(0).energy_J_per_m, 1.0);
+  const lab::SpeedTrial slow = lab::speed_fields().trials(result.cells[0]).at(0);
+  EXPECT_GT(slow.energy_J_per_m, 1.0);
+  EXPECT_NEAR(slow.steady_percent.value(), 100.0, 15.0);
+  // A foot that bears the robot alone shows its weight; a landing shows more.
+  EXPECT_GT(slow.landing_weights.value(), 1.0);
+  EXPECT_LT(slow.landing_weights.value(), 10.0);
 }
 
 TEST(PushRecovery, SurvivesASmallPushButNotALargeOne) {
