@@ -241,13 +241,13 @@ def hanpo():
     links = [
         Link("left_hip_yaw_link", "trunk", "left_hip_yaw", (0, 42, 0), Z, (-60, 60), 95, (-10, 0, -12), servo),
         Link("left_hip_roll_link", "left_hip_yaw_link", "left_hip_roll", (0, 0, -24), X, (-30, 60), 95, (-20, 0, 0), servo),
-        Link("left_thigh", "left_hip_roll_link", "left_hip_pitch", (12, 0, -14), Y, (-110, 50), 110, (0, 0, -45), (32, 40, 60), (0, 0, -46)),
-        Link("left_shank", "left_thigh", "left_knee", (0, 0, -85), Y, (0, 135), 105, (0, 0, -42), (32, 40, 52), (0, 0, -42)),
-        Link("left_ankle_link", "left_shank", "left_ankle_pitch", (0, 0, -85), Y, (-80, 65), 95, (-20, 0, -6), servo),
-        Link("left_foot", "left_ankle_link", "left_ankle_roll", (0, 0, -14), X, (-45, 45), 90, (8, 0, -24), (130, 76, 18), (12, 0, -27)),
+        Link("left_thigh", "left_hip_roll_link", "left_hip_pitch", (12, 0, -14), Y, (-125, 50), 110, (0, 0, -45), (32, 40, 60), (0, 0, -46)),
+        Link("left_shank", "left_thigh", "left_knee", (0, 0, -85), Y, (0, 145), 105, (0, 0, -42), (32, 40, 52), (0, 0, -42)),
+        Link("left_ankle_link", "left_shank", "left_ankle_pitch", (0, 0, -85), Y, (-90, 65), 95, (-20, 0, -6), servo),
+        Link("left_foot", "left_ankle_link", "left_ankle_roll", (0, 0, -14), X, (-45, 45), 90, (4, 0, -24), (146, 76, 18), (4, 0, -27)),
         Link("left_shoulder_link", "trunk", "left_shoulder_pitch", (0, 92, 168), Y, (-175, 175), 95, (0, 0, 0), servo),
         Link("left_upper_arm", "left_shoulder_link", "left_shoulder_roll", (0, 12, 0), X, (-15, 130), 100, (0, 0, -45), (34, 34, 74), (0, 0, -45)),
-        Link("left_forearm", "left_upper_arm", "left_elbow", (0, 0, -92), Y, (-130, 130), 40, (0, 0, -60), (28, 28, 110), (0, 0, -66)),
+        Link("left_forearm", "left_upper_arm", "left_elbow", (0, 0, -92), Y, (-130, 130), 40, (0, 0, -70), (28, 28, 130), (0, 0, -76)),
         Link("neck", "trunk", "head_pan", (0, 0, 196), Z, (-90, 90), 95, (0, 0, 12), servo),
         Link("head", "neck", "head_tilt", (0, 0, 26), Y, (-45, 60), 60, (0, 0, 30), (70, 80, 60), (0, 0, 38)),
     ]
@@ -258,8 +258,8 @@ def hanpo():
   yaw servo, the pitch axis 14 mm below and 12 mm in front of it, and the roll axis of the ankle 14 mm below its pitch axis. Four
   pressure cells in each sole.
 """,
-        trunk_mass=1190, trunk_com=(0, 0, 96), trunk_box=(84, 110, 140), trunk_centre=(0, 0, 112), links=links,
-        feet=pressure_cells(((67, 28), (67, -28), (-43, 28), (-43, -28)), 40),
+        trunk_mass=1190, trunk_com=(0, 0, 82), trunk_box=(84, 110, 140), trunk_centre=(0, 0, 112), links=links,
+        feet=pressure_cells(((67, 28), (67, -28), (-59, 28), (-59, -28)), 40),
         servo_types="""    <koboshi:servo_types file="../servos/catalogue.xml"/>
 """)
 

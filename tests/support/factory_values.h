@@ -19,7 +19,7 @@ inline app::ControllerValues factory_values() {
   app::ControllerValues values;
   values.parameters = kTestPower;
   values.feedback.walking = {
-      .rate = {.ankle_pitch = 25, .ankle_roll = 252, .hip_roll = 82, .knee = 70, .hip_pitch = 59},
+      .rate = {.ankle_pitch = 203, .ankle_roll = 252, .hip_roll = 82, .knee = 47, .hip_pitch = 102},
       .lean = {.ankle_pitch = 0, .ankle_roll = 287, .hip_roll = 922, .knee = 0, .hip_pitch = 0}};
   values.velocity_limits = kTestVelocityLimits;
   values.walk = tuned_gait();

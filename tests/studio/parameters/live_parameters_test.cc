@@ -44,7 +44,7 @@ struct LiveRun {
 
 TEST(LiveParameters, AreKnownAtTheStartOfARun) {
   LiveRun run;
-  EXPECT_EQ(run.live.state(at("step_time_ms")).in_force, 200.0);
+  EXPECT_EQ(run.live.state(at("step_time_ms")).in_force, 170.0);
   EXPECT_EQ(run.live.state(at("fall_lead_ms")).in_force, 135.0);
   run.advance(1000);
   run.live.read(at("fall_lead_ms"));

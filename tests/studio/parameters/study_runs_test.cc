@@ -91,7 +91,7 @@ TEST_F(StudyRuns, GiveTheParametersOfTheRobotToADocument) {
 
 TEST(Studies, AreFoundByTheirContents) {
   const auto studies = find_studies(KOBOSHI_SOURCE_DIR "/studies");
-  ASSERT_EQ(studies.size(), 8U);
+  ASSERT_EQ(studies.size(), 9U);
   EXPECT_EQ(studies.back().filename(), "walk.yaml");
   EXPECT_TRUE(find_studies(KOBOSHI_SOURCE_DIR "/scenarios").empty());
   EXPECT_TRUE(find_studies("/nonexistent").empty());

@@ -65,6 +65,7 @@ TEST_F(ControllerFeedback, TurnsTheAnklesOfAStandingRobot) {
 TEST_F(ControllerFeedback, TurnsTheAnklesOfAWalkingRobotBySeparateGains) {
   const auto walks_to_rad = [](Gains gains) {
     ControllerBench bench;
+    set_gain(bench, kWalkingRate, 1, 0);
     set_gain(bench, gains, 1, 0, 4);  // a quarter
     EXPECT_TRUE(bench.run_until_ready_to_walk());
     bench.command(Command::kWalk);

@@ -79,7 +79,7 @@ TEST_F(StudyReader, FillsInDefaultsOfATrial) {
 
 TEST_F(StudyReader, ReadsTheStudiesOfTheRepository) {
   for (const char* name :
-       {"walk", "stand", "rise_prone", "rise_supine", "roll", "kick", "one_leg", "push_up"}) {
+       {"walk", "stand", "steps", "rise_prone", "rise_supine", "roll", "kick", "one_leg", "push_up"}) {
     const std::string file = KOBOSHI_SOURCE_DIR "/studies/" + std::string(name) + ".yaml";
     EXPECT_FALSE(read_study(file).numbers.empty()) << name;
   }
