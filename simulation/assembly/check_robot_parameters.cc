@@ -32,7 +32,7 @@ constexpr double kDown_rad =
     std::numbers::pi / 3.0;  // lean at which the robot counts as down (behaviour/lying_pose.h)
 // Accuracy of walk::Body for the height of the centre of mass: the knees are in front of the line from hip to
 // ankle.
-constexpr double kComTolerance_m = 5e-3;
+constexpr double kComTolerance = 0.03;  // of the height: robots of any size
 constexpr double kSoleTolerance_m = 0.5e-3;
 constexpr double kSoleTilt = 4e-3;  // rad, 0.5 mm over a step of 125 mm
 
@@ -200,7 +200,7 @@ class RobotParameterCheck {
       const robot::Direction up = R_StanceB * column(X_BSole.R, &robot::Direction::z);
       return std::hypot(to_double(up.x), to_double(up.y)) < kSoleTilt;
     };
-    return std::abs(com_error_m) < kComTolerance_m && std::ranges::all_of(posture.X_BSole, is_level) &&
+    return std::abs(com_error_m) < kComTolerance * com_m && std::ranges::all_of(posture.X_BSole, is_level) &&
            std::hypot(to_double(right.x) + step_m, to_double(right.y) + width_m, to_double(right.z)) <
                kSoleTolerance_m;
   }

@@ -143,7 +143,7 @@ class HighResistance : public testing::TestWithParam<int> {
  protected:
   static simulation::Scenario scenario() {
     return low_supply(
-        {{"plant", "{battery.internal_resistance_ohm: 0.6, battery.open_circuit_V: 6.35}"},
+        {{"plant", "{battery.internal_resistance_ohm: 0.6, battery.open_circuit_V: 6.5}"},
          {"parameters", "{stalled_drive_sag_mV: " + std::to_string(GetParam()) + ", lowest_supply_mV: 5500}"},
          {"faults", "[]"}});
   }

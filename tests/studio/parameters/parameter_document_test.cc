@@ -104,12 +104,12 @@ TEST_F(Parameters, AnEditChangesItsNumberAndNothingElse) {
   ParameterDocument document(file("parameters.yaml"));
   const std::string before = document.text();
   document.set(at(document, "step_time_ms"), 240.0);
-  EXPECT_EQ(document.text(), replaced(before, "step_time_ms: 200", "step_time_ms: 240"));
+  EXPECT_EQ(document.text(), replaced(before, "step_time_ms: 170", "step_time_ms: 240"));
   EXPECT_EQ(document.value(at(document, "step_time_ms")), 240.0);
-  EXPECT_EQ(document.file_value(at(document, "step_time_ms")), 200.0);
+  EXPECT_EQ(document.file_value(at(document, "step_time_ms")), 170.0);
   EXPECT_THAT(document.changed(), ElementsAre(at(document, "step_time_ms")));
   document.save();
-  EXPECT_EQ(read("parameters.yaml"), replaced(before, "step_time_ms: 200", "step_time_ms: 240"));
+  EXPECT_EQ(read("parameters.yaml"), replaced(before, "step_time_ms: 170", "step_time_ms: 240"));
   EXPECT_FALSE(document.is_modified());
   EXPECT_TRUE(document.changed().empty());
 }
@@ -150,7 +150,7 @@ TEST_F(Parameters, SeveralValuesAreOneStepOfTheHistory) {
                                            {at(document, "ankle_pitch_gain_s"), 0.5},
                                            {at(document, "knee_gain_s"), 0.25}};
   document.set_all(values, "Adopt");
-  EXPECT_EQ(document.text(), replaced(before, "step_time_ms: 200", "step_time_ms: 260") +
+  EXPECT_EQ(document.text(), replaced(before, "step_time_ms: 170", "step_time_ms: 260") +
                                  "  ankle_pitch_gain_s: 0.5\n  knee_gain_s: 0.25\n");
   EXPECT_TRUE(document.undo());
   EXPECT_EQ(document.text(), before);
@@ -232,7 +232,7 @@ TEST_F(Parameters, TellWhatTheCompilerRefuses) {
 
 TEST_F(Parameters, NoticeAnotherProgramAndReload) {
   ParameterDocument document(file("parameters.yaml"));
-  const std::string other = replaced(document.text(), "step_height_mm: 32", "step_height_mm: 24");
+  const std::string other = replaced(document.text(), "step_height_mm: 27.7", "step_height_mm: 24");
   test::write_file(file("parameters.yaml"), other);
   EXPECT_EQ(document.changed_on_disk(), DiskChange::kChanged);
   document.reload();
