@@ -84,8 +84,8 @@ void set_supply_load(RobotParameters& parameters, const sim_board::RobotDescript
 // Lets the feedback of the lean at the ankles do what stiffer servos would, for robots that gravity tips
 // nearly as strongly as their servos hold them.
 void stiffen(RobotParameters& parameters, const BodyMeasures& body, const BodyMeasures& from) {
-  // A gain of 65 % for a DARwIn-OP with mx_28 servos, a ratio of 1.4, by hand, 30 November 2026: in worlds `mild` it
-  // loses none of 60 at 0.2 m/s and 2 of 60 at 0.5 m/s; with 42 %, 4 of 30 at 0.2 m/s.
+  // A gain of 65 % for a DARwIn-OP with mx_28 servos, a ratio of 1.4, by hand, 30 November 2026: in worlds
+  // `mild` it loses none of 60 at 0.2 m/s and 2 of 60 at 0.5 m/s; with 42 %, 4 of 30 at 0.2 m/s.
   constexpr double kLeastRatio = 2.3;
   const double ratio = body.pitch_stiffness_Nm_per_rad / (body.weight_N * body.com_m);
   if (ratio < kLeastRatio) {
