@@ -179,7 +179,7 @@ class TuningTest final : public QObject {
     const std::string limit = std::string(kSpeedLimit) + ": ";
     const std::string now = editor().document()->table()[at(kSpeedLimit)].text(*value(kSpeedLimit));
     QCOMPARE(read(parameters_file()), replaced(replaced(before, limit + "330", limit + now),
-                                               "step_height_mm: 32", "step_height_mm: 26"));
+                                               "step_height_mm: 27.7", "step_height_mm: 26"));
     while (editor().document()->history().can_undo()) action("Undo")->trigger();
     QCOMPARE(editor().document()->text(), before);
     action("Redo")->trigger();
