@@ -52,8 +52,8 @@ fixed::Angle pitch_of(const Direction& up_B) {
 }
 
 // The yaw rate of the angles yaw, pitch, roll by the rates in axes of B: (w_y sin roll + w_z cos roll) / cos
-// pitch (J. Diebel, Representing Attitude, 2006, equation 79), with up_B = (-sin pitch, sin roll cos pitch,
-// cos roll cos pitch).
+// pitch (J. Diebel, Representing Attitude, 2006, Euler angle rates), with up_B = (-sin pitch, sin roll cos
+// pitch, cos roll cos pitch).
 fixed::Angle heading_change(const robot::Vector<Ratio>& turn_B_rad, const Direction& up_B) {
   const Ratio level_square = fixed::product_sum<Ratio>(up_B.y, up_B.y, up_B.z, up_B.z);
   if (level_square < kMinLevelSquare) return fixed::from_rad(robot::dot(turn_B_rad, up_B));
