@@ -17,9 +17,9 @@ namespace {
 // force to point up. Set by hand (2026-11-21); not tuned.
 constexpr Ratio kMinSquare = 0.7225_ratio;
 constexpr Ratio kMaxSquare = 1.3225_ratio;
+constexpr Ratio kMinLevelSquare = 0.25_ratio;  // cos^2 of 60 degrees
 // k: the cycle of 10 ms over time constants of 2 s and of 0.1 s.
 constexpr Ratio kHalf = 0.5_ratio;
-constexpr Ratio kMinLevelSquare = 0.25_ratio;  // cos^2 of 60 degrees
 constexpr Ratio kMovingShare = 0.005_ratio;
 constexpr Ratio kRestingShare = 0.1_ratio;
 

@@ -24,8 +24,8 @@ std::uint32_t age_us(std::uint64_t now_us, std::uint64_t then_us) {
 
 // Returns the rotation vector in a cycle at these rates, in rad.
 robot::Vector<fixed::Ratio> turn_in_cycle(const robot::Vector<fixed::AngularRate>& rates) {
-  static_assert(hal::kControlPeriod_us == 10'000);
-  constexpr fixed::Ratio kRadPerTurnAndCycle = literal<fixed::Ratio>(kRadPerTurn / 100.0L);
+  constexpr fixed::Ratio kRadPerTurnAndCycle =
+      literal<fixed::Ratio>(kRadPerTurn * hal::kControlPeriod_us / 1'000'000.0L);
   const auto turn = [](fixed::AngularRate rate) {
     return fixed::product<fixed::Ratio>(rate, kRadPerTurnAndCycle);
   };

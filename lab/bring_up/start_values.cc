@@ -24,6 +24,11 @@ double tipping_margin(const BodyMeasures& body, double stiffness) {
   return 1.0 - body.weight_N * body.com_m / stiffness;
 }
 
+// The same as a share of that of the robot from which the values come.
+double relative_margin(const BodyMeasures& body, const BodyMeasures& from, double BodyMeasures::*stiffness) {
+  return tipping_margin(body, body.*stiffness) / tipping_margin(from, from.*stiffness);
+}
+
 // Sag of a knee that is bent by a right angle under the robot's weight, in rad.
 double softness(const BodyMeasures& body) {
   return body.weight_N * body.limb_m / body.pitch_stiffness_Nm_per_rad;
@@ -93,9 +98,8 @@ void stiffen(RobotParameters& parameters, const BodyMeasures& body, const BodyMe
     set_value(parameters, "walking_lean_gain_ankle_pitch_percent", gain_percent);
     set_value(parameters, "standing_lean_gain_ankle_pitch_percent", gain_percent);
   }
-  const double margin = std::clamp(tipping_margin(body, body.pitch_stiffness_Nm_per_rad) /
-                                       tipping_margin(from, from.pitch_stiffness_Nm_per_rad),
-                                   0.25, 1.0);
+  const double margin =
+      std::clamp(relative_margin(body, from, &BodyMeasures::pitch_stiffness_Nm_per_rad), 0.25, 1.0);
   // Servos that sag let the hip of the swinging leg down, so that its foot leaves the ground late and touches
   // it early. By hand, 30 November 2026, for the same robot, a margin of 0.36, in 30 worlds `mild`: told
   // 0.465 m/s, it loses 4 of 20 with the reference's step height and none of 30 with 1.2 times as much; told
@@ -161,7 +165,7 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
   const auto sag = [&](const char* key, double BodyMeasures::*stiffness, double power) {
     const double* tuned = find_value(reference, key);
     if (tuned == nullptr) return;
-    const double margin = tipping_margin(body, body.*stiffness) / tipping_margin(from, from.*stiffness);
+    const double margin = relative_margin(body, from, stiffness);
     const double compliance = *tuned * (body.weight_N / from.weight_N) /
                               (body.*stiffness / (from.*stiffness)) * std::pow(std::max(0.0, margin), power);
     set_value(parameters, key, std::clamp(compliance, 0.0, kMostCompliance_rad_per_m));

@@ -27,15 +27,20 @@ class Landings {
   [[nodiscard]] std::optional<double> peak(double share) const;
 
  private:
+  struct Sensor {
+    bool cells = false;         // four of them, whose forces add up
+    double resolution_N = 0.0;  // 0: measures no force
+  };
   struct Foot {
     bool swings = false;
     std::optional<std::uint64_t> landed_us{};
     double peak_N = 0.0;
   };
 
+  [[nodiscard]] static Sensor sensor(const std::optional<sim_board::AnkleSensorDescription>& description);
   [[nodiscard]] double load_N(const sim_board::SimBoard& board, std::size_t foot) const;
 
-  std::array<const sim_board::AnkleSensorDescription*, 2> sensors_;  // null: measures no force
+  std::array<Sensor, 2> sensors_;
   double weight_N_;
   std::array<Foot, 2> feet_{};
   std::vector<double> peaks_;  // multiples of the weight
