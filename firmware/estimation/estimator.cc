@@ -22,10 +22,11 @@ std::uint32_t age_us(std::uint64_t now_us, std::uint64_t then_us) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(now_us - then_us, RobotState::kNever));
 }
 
+constexpr fixed::Ratio kRadPerTurnAndCycle =
+    literal<fixed::Ratio>(kRadPerTurn * hal::kControlPeriod_us / 1'000'000.0L);
+
 // Returns the rotation vector in a cycle at these rates, in rad.
 robot::Vector<fixed::Ratio> turn_in_cycle(const robot::Vector<fixed::AngularRate>& rates) {
-  constexpr fixed::Ratio kRadPerTurnAndCycle =
-      literal<fixed::Ratio>(kRadPerTurn * hal::kControlPeriod_us / 1'000'000.0L);
   const auto turn = [](fixed::AngularRate rate) {
     return fixed::product<fixed::Ratio>(rate, kRadPerTurnAndCycle);
   };
