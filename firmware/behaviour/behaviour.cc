@@ -154,13 +154,14 @@ void Behaviour::handle(Event event, Reason reason, const Cycle& cycle) {
 }
 
 void Behaviour::enter(State state, Reason reason, std::uint64_t now_us) {
+  const bool lies_limp = status_.state == State::kLimp && state == State::kFallen;
+  if (!lies_limp) recovery_.begin_state();
   status_.state = state;
   status_.reason = reason;
   entered_us_ = now_us;
   if (state != State::kFault) decision_.drive_enable = kTorque.contains(state);
   if (!kOnItsFeet.contains(state)) abort_overlay();
   if (!kTorque.contains(state)) abort_sources();
-  recovery_.begin_state();
   switch (state) {
     case State::kBoot:
       status_.drive_fault.kind = drive::DriveFault::kNone;
@@ -297,6 +298,8 @@ void Behaviour::run_state(const Cycle& cycle) {
     case State::kBoot:
       return run_boot(cycle);
     case State::kLimp:
+      recovery_.watch_limp(cycle.robot);
+      return follow_actual(cycle.drives);
     case State::kEmergencyStop:
       return follow_actual(cycle.drives);
     case State::kEnabling:

@@ -120,6 +120,16 @@ TEST_F(BehaviourStage, HoldsTheJointsWhereTheyAreUntilItIsEnabled) {
   EXPECT_EQ(step().targets[test::kKnee], test::degrees(33));
 }
 
+TEST_F(BehaviourStage, DoesNotWaitForARobotThatHasLainStill) {
+  boot();
+  lean(1.5);
+  step(RestDetector::kCycles);
+  EXPECT_EQ(request(Command::kGetUp), Reason::kNone);
+  EXPECT_EQ(behaviour.state(), State::kFallen);
+  step();
+  EXPECT_EQ(behaviour.state(), State::kRighting);
+}
+
 TEST_F(BehaviourStage, StatesTheReasonOfARefusal) {
   EXPECT_EQ(request(Command::kEnable), Reason::kNotInThisState);
   boot();

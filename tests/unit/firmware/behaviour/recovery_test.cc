@@ -114,6 +114,22 @@ TEST_F(RecoveryStage, TriesToGetUpAfterATimeAlthoughItIsMoved) {
   EXPECT_EQ(event_of(State::kFallen, 4'000'000), Event::kStill);
 }
 
+TEST_F(RecoveryStage, GetsUpAtOnceIfItHasLainLimpAndStill) {
+  recovery.begin_state();
+  for (int i = 0; i < RestDetector::kCycles; ++i) recovery.watch_limp(robot);
+  EXPECT_EQ(event_of(State::kFallen), Event::kStill);
+}
+
+TEST_F(RecoveryStage, WaitsUntilARobotThatWasMovedWhileLimpLiesStill) {
+  recovery.begin_state();
+  for (int i = 0; i < RestDetector::kCycles; ++i) recovery.watch_limp(robot);
+  shake();
+  recovery.watch_limp(robot);
+  robot.rates_B.x = {};
+  for (int i = 0; i < RestDetector::kCycles - 1; ++i) ASSERT_FALSE(run(State::kFallen));
+  EXPECT_EQ(event_of(State::kFallen), Event::kStill);
+}
+
 TEST_F(RecoveryStage, GivesUpARiseThatSways) {
   shake();
   EXPECT_FALSE(run(State::kSteadying, 2'999'999));
