@@ -85,6 +85,7 @@ Recovery::Result Recovery::run_falling(const Step& step) {
 Recovery::Result Recovery::run_fallen(const Step& step) {
   step.follow_actual();
   const bool rests = rest_detector_.update(step.cycle.robot.rates_B);
+  if (step.elapsed_us <= hal::kControlPeriod_us) return std::nullopt;  // until telemetry has shown the state
   if (!rests && step.elapsed_us < kMaxSettlingDuration_us) return std::nullopt;
   if (attempts_ >= parameters_.getting_up.attempts) return Outcome{Event::kFailure, Reason::kCannotGetUp};
   ++attempts_;

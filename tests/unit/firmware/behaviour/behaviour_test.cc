@@ -127,6 +127,8 @@ TEST_F(BehaviourStage, DoesNotWaitForARobotThatHasLainStill) {
   EXPECT_EQ(request(Command::kGetUp), Reason::kNone);
   EXPECT_EQ(behaviour.state(), State::kFallen);
   step();
+  EXPECT_EQ(behaviour.state(), State::kFallen);  // for a cycle, so that telemetry shows it
+  step();
   EXPECT_EQ(behaviour.state(), State::kRighting);
 }
 

@@ -22,6 +22,7 @@ namespace koboshi::behaviour {
 namespace {
 
 constexpr double kRadians = std::numbers::pi / 180.0;  // in a degree
+constexpr std::uint64_t kLater_us = 100'000;           // after a state began
 
 // Each motion that the behaviour plays by itself: a move of 1 s.
 std::vector<std::byte> storage_with_every_role() {
@@ -74,8 +75,8 @@ class RecoveryStage : public testing::Test {
   // Has lain still until an attempt begins.
   void begin_attempt() {
     recovery.begin_state();
-    for (int i = 0; i < RestDetector::kCycles - 1; ++i) ASSERT_FALSE(run(State::kFallen));
-    ASSERT_EQ(event_of(State::kFallen), Event::kStill);
+    for (int i = 0; i < RestDetector::kCycles - 1; ++i) ASSERT_FALSE(run(State::kFallen, kLater_us));
+    ASSERT_EQ(event_of(State::kFallen, kLater_us), Event::kStill);
   }
   void bend_hips(double degrees) {
     for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight})
@@ -114,10 +115,11 @@ TEST_F(RecoveryStage, TriesToGetUpAfterATimeAlthoughItIsMoved) {
   EXPECT_EQ(event_of(State::kFallen, 4'000'000), Event::kStill);
 }
 
-TEST_F(RecoveryStage, GetsUpAtOnceIfItHasLainLimpAndStill) {
+TEST_F(RecoveryStage, GetsUpAfterOneCycleIfItHasLainLimpAndStill) {
   recovery.begin_state();
   for (int i = 0; i < RestDetector::kCycles; ++i) recovery.watch_limp(robot);
-  EXPECT_EQ(event_of(State::kFallen), Event::kStill);
+  EXPECT_FALSE(run(State::kFallen, hal::kControlPeriod_us));  // shows in telemetry
+  EXPECT_EQ(event_of(State::kFallen, hal::kControlPeriod_us + 1), Event::kStill);
 }
 
 TEST_F(RecoveryStage, WaitsUntilARobotThatWasMovedWhileLimpLiesStill) {
@@ -126,8 +128,8 @@ TEST_F(RecoveryStage, WaitsUntilARobotThatWasMovedWhileLimpLiesStill) {
   shake();
   recovery.watch_limp(robot);
   robot.rates_B.x = {};
-  for (int i = 0; i < RestDetector::kCycles - 1; ++i) ASSERT_FALSE(run(State::kFallen));
-  EXPECT_EQ(event_of(State::kFallen), Event::kStill);
+  for (int i = 0; i < RestDetector::kCycles - 1; ++i) ASSERT_FALSE(run(State::kFallen, kLater_us));
+  EXPECT_EQ(event_of(State::kFallen, kLater_us), Event::kStill);
 }
 
 TEST_F(RecoveryStage, GivesUpARiseThatSways) {
@@ -140,8 +142,8 @@ TEST_F(RecoveryStage, FailsAfterItsLastAttempt) {
   for (int i = 0; i < 3; ++i) begin_attempt();
   EXPECT_EQ(recovery.attempts(), 3);
   recovery.begin_state();
-  for (int i = 0; i < RestDetector::kCycles - 1; ++i) ASSERT_FALSE(run(State::kFallen));
-  const auto outcome = run(State::kFallen);
+  for (int i = 0; i < RestDetector::kCycles - 1; ++i) ASSERT_FALSE(run(State::kFallen, kLater_us));
+  const auto outcome = run(State::kFallen, kLater_us);
   ASSERT_TRUE(outcome);
   EXPECT_EQ(outcome->event, Event::kFailure);
   EXPECT_EQ(outcome->reason, Reason::kCannotGetUp);
