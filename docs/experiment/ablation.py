@@ -54,6 +54,7 @@ def lost(options, part, activity, factor, impulse):
     """Returns the number of trials that are lost, and the number of all."""
     folder = options.out / f"{list(PARTS).index(part)}-{activity}"
     results = folder / "lost.json"
+    folder.mkdir(parents=True, exist_ok=True)
     command = [options.koboshi, "experiment", "robustness", "--others", "rough", "--stepper", "mujoco", "--cliff", "1"]
     command += ["--only", activity, "--factors", factor, "--full-speed", "0.36"]
     command += ["--levels", str(impulse)] if impulse else []

@@ -61,7 +61,9 @@ RecoveryMotion RecoveryMotion::retarget(const std::string& name, const std::file
                                         const sim_board::RobotDescription& to,
                                         std::span<const std::pair<std::string, double>> standing_deg,
                                         double time_scale) {
-  const std::filesystem::path file = from.parent_path() / "motions" / (name + ".yaml");
+  const std::filesystem::path gentler = from.parent_path() / "bring_up" / (name + ".yaml");
+  const std::filesystem::path file =
+      std::filesystem::exists(gentler) ? gentler : from.parent_path() / "motions" / (name + ".yaml");
   const sim_board::RobotDescription from_robot = sim_board::load_robot(from);
   const simulation::NamedModel from_model = simulation::load_named_model(from_robot);
   const simulation::MotionSource source = simulation::parse_motion(file, from_model);

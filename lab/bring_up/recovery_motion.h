@@ -34,12 +34,12 @@ class RecoveryMotion {
     double reach = 0.0;    // degrees to either side, or the largest factor of the time
   };
 
-  // Gives the motion `name` of the robot `from` to the robot `to`: the angles of joints with the same role,
-  // within their limits, and times by `time_scale`, but no shorter than the servos need. Where a knee does
-  // not bend as far, hip and ankle keep the direction of the leg and the lean of the trunk. A pose named
-  // `stand` becomes `standing_deg`. Joints that `to` does not have are dropped and noted. Throws InputError
-  // if `from` has no such motion, if it has a step that this class does not know, and as retarget_joints()
-  // does.
+  // Gives the motion `name` of the robot `from`, from its folder bring_up or else motions, to the robot `to`:
+  // the angles of joints with the same role, within their limits, and times by `time_scale`, but no shorter
+  // than the servos need. Where a knee does not bend as far, hip and ankle keep the direction of the leg and
+  // the lean of the trunk. A pose named `stand` becomes `standing_deg`. Joints that `to` does not have are
+  // dropped and noted. Throws InputError if `from` has no such motion, if it has a step that this class does
+  // not know, and as retarget_joints() does.
   static RecoveryMotion retarget(const std::string& name, const std::filesystem::path& from,
                                  const sim_board::RobotDescription& to,
                                  std::span<const std::pair<std::string, double>> standing_deg,
