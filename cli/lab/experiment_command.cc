@@ -216,7 +216,7 @@ void add_robustness_options(CLI::App& command, lab::RobustnessOptions& options, 
       ->check(CLI::IsMember(worlds))
       ->capture_default_str();
   add_number(command, "--full-speed", options.full_speed_m_per_s, 0.0, 3.0,
-             "Full speed, m/s; 0: the robot's limit");
+             "Full speed, m/s, at most the robot's limit; 0: the limit");
   add_number(command, "--distance", options.distance_m, 0.1, 100.0,
              "Distance of a walk, m, for a leg of 0.13 m; it scales with the leg");
   add_number(command, "--cliff", options.cliff_share, 0.01, 1.0,

@@ -43,8 +43,8 @@ for name in (
 
 # Column, activity of the experiment, factor, impulse in N s/kg.
 ACTIVITIES = (
-    ("walk at 0.36 m/s", "walk-full", "none", None),
-    ("pushed at 0.18 m/s, 0.30 N s/kg", "push-half", "impulse", 0.30),
+    ("walk at 0.33 m/s", "walk-full", "none", None),
+    ("pushed at 0.165 m/s, 0.30 N s/kg", "push-half", "impulse", 0.30),
     ("pushed on the spot, 0.36 N s/kg", "push-on-the-spot", "impulse", 0.36),
     ("pushed standing, 0.44 N s/kg", "push-standing", "impulse", 0.44),
 )
@@ -56,7 +56,7 @@ def lost(options, part, activity, factor, impulse):
     results = folder / "lost.json"
     folder.mkdir(parents=True, exist_ok=True)
     command = [options.koboshi, "experiment", "robustness", "--others", "rough", "--stepper", "mujoco", "--cliff", "1"]
-    command += ["--only", activity, "--factors", factor, "--full-speed", "0.36"]
+    command += ["--only", activity, "--factors", factor]
     command += ["--levels", str(impulse)] if impulse else []
     command += ["--seeds", str(options.seeds), "--first-seed", str(options.first_seed), "--jobs", str(options.jobs)]
     for key, value in PARTS[part].items():

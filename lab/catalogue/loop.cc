@@ -195,6 +195,7 @@ const FieldTable<LoopTrial>& loop_fields() {
 
 Experiment make_loop(const LoopOptions& options) {
   const StandingStart start = read_standing_start(options, options.overrides);
+  require_permitted_speed("--speed", options.speed_m_per_s, start.scenario);
   Experiment experiment =
       begin_experiment("loop", "The loop of the balance feedback", options, start.scenario,
                        {{"amplitude_deg_per_s", options.amplitude_deg_per_s},

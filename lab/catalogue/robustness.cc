@@ -198,6 +198,7 @@ Course course_of(const RobustnessOptions& options) {
   const simulation::Scenario& scenario = course.start.scenario;
   course.robot = simulation::read_robot(scenario);
   const auto values = simulation::controller_values(scenario);
+  require_permitted_speed("--full-speed", options.full_speed_m_per_s, scenario);
   course.full_speed_m_per_s = options.full_speed_m_per_s > 0.0
                                   ? options.full_speed_m_per_s
                                   : 1e-3 * values.velocity_limits.forward_mm_per_s;

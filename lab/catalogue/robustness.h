@@ -31,7 +31,7 @@ struct RobustnessOptions : ExperimentSetup {
   std::vector<double> levels{};
   // The world of all other factors; "nominal": as in the files, and a factor with two ends is at one of them.
   std::string others = kNominal;
-  double full_speed_m_per_s = 0.0;           // 0: the robot's limit
+  double full_speed_m_per_s = 0.0;           // at most the robot's limit; 0: the limit
   double distance_m = 10.0 * kBodyHeight_m;  // of a walk with kReferenceLeg_m
   double cliff_share = 0.8;                  // with 64 seeds no level has fewer than 50 trials
 };

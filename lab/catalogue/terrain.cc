@@ -140,6 +140,7 @@ Experiment make_terrain(const TerrainOptions& options) {
       cells.push_back({kind.name + "-" + text, {{"ground", kind.name}, {"level", text}}});
     }
   }
+  require_permitted_speed("--speed", options.speed_m_per_s, starts.front().scenario);
   Experiment experiment =
       begin_experiment("terrain", "What ground it walks over", options, starts.front().scenario,
                        {{"speed_m_per_s", options.speed_m_per_s}, {"distance_m", options.distance_m}});

@@ -9,6 +9,7 @@
 #include "lab/experiment/files.h"
 #include "lab/trial/pushes.h"
 #include "sim_board/world/options.h"
+#include "simulation/assembly/parameters.h"
 #include "simulation/disturbance/world_text.h"
 #include "simulation/scenario/reader.h"
 
@@ -39,6 +40,16 @@ StandingStart read_standing_start(const ExperimentSetup& setup, std::span<const 
   std::erase_if(start.scenario.pushes,
                 [&](const simulation::Push& push) { return push.at_us >= start.ready_us; });
   return start;
+}
+
+void require_permitted_speed(const std::string& option, double forward_m_per_s,
+                             const simulation::Scenario& scenario) {
+  const double limit_m_per_s =
+      1e-3 * simulation::controller_values(scenario).velocity_limits.forward_mm_per_s;
+  if (forward_m_per_s > limit_m_per_s)
+    throw InputError(option, 0, number_text(forward_m_per_s) + " m/s",
+                     "at most " + number_text(limit_m_per_s) +
+                         " m/s, the robot's highest_velocity_forward_mm_per_s (--set parameters.NAME=VALUE)");
 }
 
 Eigen::Vector3d random_velocity(sim_board::RandomStream& random) {

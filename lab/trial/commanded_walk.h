@@ -32,6 +32,11 @@ struct StandingStart {
   [[nodiscard]] simulation::Scenario standing(double for_s) const;
 };
 
+// Throws InputError, in the name of an option of the command line, if the scenario's controller refuses to
+// walk ahead at this speed, because it is beyond the robot's limit.
+void require_permitted_speed(const std::string& option, double forward_m_per_s,
+                             const simulation::Scenario& scenario);
+
 // A velocity that the robot walks at in any direction, for StandingStart::walking.
 [[nodiscard]] Eigen::Vector3d random_velocity(sim_board::RandomStream& random);
 // Walks at a random velocity until the drive of a random joint of the legs loses its power. Ends so much

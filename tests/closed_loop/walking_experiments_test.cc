@@ -85,6 +85,14 @@ TEST(Terrain, TakesRisingLevelsForKindsOfOneUnit) {
   EXPECT_THROW(static_cast<void>(lab::make_terrain(options)), InputError);
 }
 
+TEST(Terrain, WalksNoFasterThanTheControllerPermits) {
+  lab::TerrainOptions options = short_form<lab::TerrainOptions>();
+  options.kinds = {"uphill"};
+  options.levels = {0};
+  options.speed_m_per_s = 0.34;
+  EXPECT_THROW(static_cast<void>(lab::make_terrain(options)), InputError);
+}
+
 TEST(Robustness, TakesLevelsForOneFactor) {
   lab::RobustnessOptions options = short_form<lab::RobustnessOptions>();
   options.scenario = KOBOSHI_SOURCE_DIR "/scenarios/get_up.yaml";
@@ -95,6 +103,19 @@ TEST(Robustness, TakesLevelsForOneFactor) {
   EXPECT_EQ(lab::make_robustness(options).cells.size(), 4u);
   options.levels = {0.3, 0.25};
   EXPECT_THROW(static_cast<void>(lab::make_robustness(options)), InputError);
+}
+
+TEST(Robustness, WalksNoFasterThanTheControllerPermits) {
+  lab::RobustnessOptions options = short_form<lab::RobustnessOptions>();
+  options.scenario = KOBOSHI_SOURCE_DIR "/scenarios/get_up.yaml";
+  options.activities = {"walk-full"};
+  options.factors = {"none"};
+  options.full_speed_m_per_s = 0.33;
+  EXPECT_EQ(lab::make_robustness(options).cells.size(), 1u);
+  options.full_speed_m_per_s = 0.34;
+  EXPECT_THROW(static_cast<void>(lab::make_robustness(options)), InputError);
+  options.overrides = {{"parameters.highest_velocity_forward_mm_per_s", "340"}};
+  EXPECT_EQ(lab::make_robustness(options).cells.size(), 1u);
 }
 
 // The weakest and the hardest push at a standing robot, in two directions; all other factors are nominal.
