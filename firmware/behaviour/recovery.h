@@ -36,9 +36,7 @@ class Recovery {
   // get up.
   void begin_state() { rest_detector_.restart(); }
   // One cycle of a limp robot: one that already lies still need not settle before it gets up.
-  void watch_limp(const estimation::RobotState& robot) {
-    rest_detector_.update(robot.rates_B);
-  }
+  void watch_limp(const estimation::RobotState& robot) { rest_detector_.update(robot.rates_B); }
 
   // One cycle in one of these states, which began `elapsed_us` ago. Writes the targets, one for each joint.
   [[nodiscard]] std::optional<Outcome> run(State state, std::uint64_t elapsed_us, const Cycle& cycle,

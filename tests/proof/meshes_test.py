@@ -143,12 +143,9 @@ class Meshes(unittest.TestCase):
                     self.compare(made / "meshes" / name, ROBOT / "meshes" / name)
 
     def compare(self, made, kept):
-        """The files were made with NumPy 1.24 of Debian 12, which gives the same bytes. Another version rounds differently and
+        """NumPy rounds differently from version to version and from processor to processor (with and without AVX-512), which
         divides some flat faces along other diagonals: the same number of triangles, vertices within TOLERANCE_mm, and volume and
         area within TOLERANCE_RATIO of the kept ones."""
-        if np.__version__.startswith("1.24."):
-            self.assertEqual(made.read_bytes(), kept.read_bytes())
-            return
         there, here = triangles_of(made), triangles_of(kept)
         self.assertEqual(len(there), len(here))
         for some, others in ((there, here), (here, there)):

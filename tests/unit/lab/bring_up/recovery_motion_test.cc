@@ -39,8 +39,10 @@ class RecoveryMotionTest : public testing::Test {
 TEST_F(RecoveryMotionTest, OfTheSameRobotHasTheSamePosesTimesAndExpectations) {
   const simulation::NamedModel model = simulation::load_named_model(robot_);
   for (const char* name : {"fall_front", "roll_left", "rise_prone", "rise_supine"}) {
-    const simulation::MotionSource own = simulation::parse_motion(
-        kRecovering.parent_path() / "motions" / (std::string(name) + ".yaml"), model);
+    const std::filesystem::path folder =
+        kRecovering.parent_path() / (std::string_view(name).starts_with("rise") ? "bring_up" : "motions");
+    const simulation::MotionSource own =
+        simulation::parse_motion(folder / (std::string(name) + ".yaml"), model);
     const simulation::MotionSource copy = parsed(retargeted(name).text("Origin"));
     ASSERT_EQ(copy.steps.size(), own.steps.size()) << name;
     for (std::size_t i = 0; i < own.steps.size(); ++i) {
