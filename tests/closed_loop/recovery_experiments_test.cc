@@ -46,6 +46,25 @@ TEST(StandUp, StaysDownWithoutItsMotions) {
   EXPECT_EQ(experiment.conclude(experiment, result).values.at("success_rate"), 0.0);
 }
 
+// In these `rough` worlds the robot bounced on its feet at 10 Hz after it had got up, with three times its
+// gain of the knees (docs/experiment/stand-up.md).
+TEST(StandUp, ComesToRestOnceItIsUp) {
+  if (!sim_board::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
+  lab::StandUpOptions options;
+  options.scenario = KOBOSHI_SOURCE_DIR "/scenarios/get_up.yaml";
+  options.overrides = {{"physics.stepper", "mujoco"}};
+  options.world = "rough";
+  options.seeds = 1;
+  for (const std::uint64_t seed : {1'700'003u, 1'700'010u, 1'700'061u}) {
+    options.first_seed = seed;
+    const lab::Experiment experiment = lab::make_stand_up(options);
+    const lab::ExperimentResult result = lab::play_experiment(experiment, {});
+    const lab::StandUpTrial trial = lab::stand_up_fields().trials(result.cells[0]).at(0);
+    EXPECT_FALSE(trial.not_at_once) << seed;
+    EXPECT_LT(trial.time_s, 4.0) << seed;
+  }
+}
+
 TEST(FallDetection, PredictsFallsFromPushesAndNoneWhileWalking) {
   auto options = short_recovery<lab::FallDetectionOptions>(1);
   options.walk_s = 6.0;
