@@ -23,6 +23,14 @@ Options short_recovery(std::size_t seeds) {
   return options;
 }
 
+template <typename Options>
+Options in_mujoco(std::size_t seeds, std::uint64_t first_seed) {
+  auto options = short_recovery<Options>(seeds);
+  options.overrides = {{"physics.stepper", "mujoco"}};
+  options.first_seed = first_seed;
+  return options;
+}
+
 TEST(StandUp, GetsUpFromEveryDroppedPose) {
   const auto options = short_recovery<lab::StandUpOptions>(2);
   const lab::Experiment experiment = lab::make_stand_up(options);
@@ -50,13 +58,9 @@ TEST(StandUp, StaysDownWithoutItsMotions) {
 // gain of the knees (docs/experiment/stand-up.md).
 TEST(StandUp, ComesToRestOnceItIsUp) {
   if (!sim_board::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
-  lab::StandUpOptions options;
-  options.scenario = KOBOSHI_SOURCE_DIR "/scenarios/get_up.yaml";
-  options.overrides = {{"physics.stepper", "mujoco"}};
-  options.world = "rough";
-  options.seeds = 1;
   for (const std::uint64_t seed : {1'700'003u, 1'700'010u, 1'700'061u}) {
-    options.first_seed = seed;
+    auto options = in_mujoco<lab::StandUpOptions>(1, seed);
+    options.world = "rough";
     const lab::Experiment experiment = lab::make_stand_up(options);
     const lab::ExperimentResult result = lab::play_experiment(experiment, {});
     const lab::StandUpTrial trial = lab::stand_up_fields().trials(result.cells[0]).at(0);
@@ -85,14 +89,6 @@ TEST(Marathon, StandsAtTheEnd) {
   const lab::Conclusions conclusions = experiment.conclude(experiment, result);
   EXPECT_EQ(conclusions.values.at("stands_at_the_end"), 1);
   EXPECT_GT(conclusions.values.at("distance_m_total").get<double>(), 0.5);
-}
-
-template <typename Options>
-Options in_mujoco(std::size_t seeds, std::uint64_t first_seed) {
-  auto options = short_recovery<Options>(seeds);
-  options.overrides = {{"physics.stepper", "mujoco"}};
-  options.first_seed = first_seed;
-  return options;
 }
 
 // docs/experiment/contacts.md in short. With seed 10 a contact was 3.3 mm deep without a force, and 1 % of
