@@ -32,10 +32,11 @@ class Recovery {
   void fall(FallDirection direction, std::span<const fixed::Angle> targets, const motion::Inputs& inputs);
   // Forgets the attempts so far.
   void forget_attempts() { attempts_ = 0; }
-  // To be called when one of these states begins, or the drives go limp; but not when a limp robot is told to
-  // get up.
+  // Restarts the detection of rest. To be called when one of these states begins or the drives go limp, except
+  // when a limp robot is commanded to get up.
   void begin_state() { rest_detector_.restart(); }
-  // One cycle of a limp robot: one that already lies still need not settle before it gets up.
+  // To be called in each cycle in which the robot is limp: if it has lain still, it gets up without settling
+  // first.
   void watch_limp(const estimation::RobotState& robot) { rest_detector_.update(robot.rates_B); }
 
   // One cycle in one of these states, which began `elapsed_us` ago. Writes the targets, one for each joint.
