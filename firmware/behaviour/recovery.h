@@ -32,8 +32,8 @@ class Recovery {
   void fall(FallDirection direction, std::span<const fixed::Angle> targets, const motion::Inputs& inputs);
   // Forgets the attempts so far.
   void forget_attempts() { attempts_ = 0; }
-  // Restarts the detection of rest. To be called when one of these states begins or the drives go limp, except
-  // when a limp robot is commanded to get up.
+  // Restarts the detection of rest. To be called when one of these states begins or the drives go limp,
+  // except when a limp robot is commanded to get up.
   void begin_state() { rest_detector_.restart(); }
   // To be called in each cycle in which the robot is limp: if it has lain still, it gets up without settling
   // first.
