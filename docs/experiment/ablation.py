@@ -28,6 +28,8 @@ PARTS = {
     "lean by the speed": {"trunk_pitch_by_speed_deg_s_per_m": 0},
     "wider fall limits while walking": {"fall_limits_walking_percent": 100},
     "steps from standing": {"longest_standing_dcm_mm": 0},
+    "faster steps from standing": {"pushed_step_time_ms": 0},
+    "arms that turn against the fall": {"arm_reaction_rad_per_m": 0},
 }
 EVERY_FEEDBACK = "every feedback of the walk"
 for name in (

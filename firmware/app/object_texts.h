@@ -152,6 +152,7 @@ inline constexpr canopen::Unit kShareUnit{"%", 1, 10};
 inline constexpr canopen::Unit kSpeedUpUnit{"mm/s^2"};
 inline constexpr canopen::Unit kTurnUpUnit{"mrad/s^2"};
 inline constexpr canopen::Unit kBendUnit{"rad/m", 1, 1000};
+inline constexpr canopen::Unit kAngleByErrorUnit{"rad/m", 1, 100};
 inline constexpr canopen::Unit kForceUnit{"N", 1, 100};
 inline constexpr canopen::Unit kShaftUnit{"deg", 360, 1 << canopen::cia402::kPositionUnitBits};
 inline constexpr canopen::Unit kTorqueShareUnit{"%", 1, 10};

@@ -330,8 +330,7 @@ void Behaviour::run_enabling(const Cycle& cycle) {
 void Behaviour::run_standing(const Cycle& cycle) {
   const auto support = CommandedWalk::needed(parameters_.walk, cycle.robot);
   if (support && is_in_standing_pose() && refusal_to_walk(cycle.robot) == Reason::kNone) {
-    begin_walk(*support);
-    walk_.stop();
+    begin_walk(support);
     handle(Event::kPushed, Reason::kPushed, cycle);
     return run_source(walk_, cycle);
   }
@@ -349,7 +348,7 @@ void Behaviour::run_source(MotionSource& source, const Cycle& cycle) {
   if (source.running()) return;
   // A command to walk that came after the closing step had begun is obeyed once the robot stands.
   const bool walks_on = &source == &walk_ && !walk_.stopping();
-  if (walks_on && refusal_to_walk(cycle.robot) == Reason::kNone) return begin_walk(hal::Side::kLeft);
+  if (walks_on && refusal_to_walk(cycle.robot) == Reason::kNone) return begin_walk();
   const bool failed = &source == &player_ && player_.interpreter().failed();
   handle(Event::kEnded, failed ? Reason::kMotionFailed : Reason::kProgress, cycle);
 }

@@ -134,7 +134,7 @@ class Behaviour {  // Large: one short function per state and per command
   Reason play_overlay(const motion::Motion& motion, std::uint8_t number, const Circumstances& circumstances);
   Reason walk(const Circumstances& circumstances);
   Reason refusal_to_walk(const estimation::RobotState& robot) const;
-  void begin_walk(hal::Side support);
+  void begin_walk(std::optional<hal::Side> pushed_to = std::nullopt);
   bool acts_on_low_supply() const;
   Reason stream(const Circumstances& circumstances);
   Reason get_up(const Circumstances& circumstances);

@@ -24,8 +24,8 @@ class CommandedWalk final : public MotionSource {
                                                        const estimation::RobotState& robot);
   // As Walker::start.
   void start(const walk::WalkParameters& parameters, std::span<const fixed::Angle> targets,
-             hal::Side support) {
-    walker_.start(parameters, targets, support);
+             std::optional<hal::Side> pushed_to) {
+    walker_.start(parameters, targets, pushed_to);
   }
   // Takes a stop back, as Walker::resume.
   void resume() { walker_.resume(); }

@@ -142,7 +142,7 @@ Reason Behaviour::walk(const Circumstances& circumstances) {
   if (status_.state != State::kStanding) return Reason::kNotInThisState;
   const Reason refusal = refusal_to_walk(circumstances.robot);
   if (refusal != Reason::kNone) return refusal;
-  begin_walk(hal::Side::kLeft);
+  begin_walk();
   return obey_event(Event::kWalk, circumstances.now_us);
 }
 
@@ -153,10 +153,10 @@ Reason Behaviour::refusal_to_walk(const estimation::RobotState& robot) const {
   return (overlay_.joints() & walk_.joints()) != 0 ? Reason::kJointsInUse : Reason::kNone;
 }
 
-void Behaviour::begin_walk(hal::Side support) {
+void Behaviour::begin_walk(std::optional<hal::Side> pushed_to) {
   overlay_.uncover(targets());
   player_.abort();
-  walk_.start(parameters_.walk, targets(), support);
+  walk_.start(parameters_.walk, targets(), pushed_to);
 }
 
 // While the robot streams, the command only cancels a stop. Without a known gyro bias nothing would detect

@@ -94,6 +94,7 @@ Gait::Gait(const WalkParameters& parameters) {
   zmp_tracking_lateral = permille(reaction.zmp_tracking_lateral);
   max_zmp_shift_forward = tenths_of_mm(reaction.max_zmp_shift_forward);
   max_zmp_shift_lateral = tenths_of_mm(reaction.max_zmp_shift_lateral);
+  arm_reaction = fixed::mul_div(1.0_gain, reaction.arm_reaction, 100);
 }
 
 // mm/s^2 over a cycle of 10 ms are hundredths of a mm/s.

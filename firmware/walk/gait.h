@@ -70,6 +70,10 @@ struct WalkParameters {
     // Forward and backward distance of the DCM from the planned ZMP beyond which a robot that stands takes
     // steps; 0: it takes none.
     std::int16_t max_standing_dcm = 0;
+    std::int16_t pushed_step_time_ms = 0;  // step time of these steps; 0: as in a walk
+    // Angle by which both arms turn back for each metre of the forward DCM error beyond the dead band, 0.01
+    // rad/m.
+    std::int16_t arm_reaction = 0;
 
     friend bool operator==(const Reactions&, const Reactions&) = default;
   } reaction;  // 0x2132
@@ -127,6 +131,7 @@ struct Gait {  // Large: one quantity for each parameter
   fixed::Ratio zmp_tracking_lateral;
   fixed::Length max_zmp_shift_forward;
   fixed::Length max_zmp_shift_lateral;
+  fixed::Gain arm_reaction;  // rad/m
 };
 
 // The velocity of the walk, which follows the command within the gait's accelerations.

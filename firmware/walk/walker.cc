@@ -64,6 +64,11 @@ constexpr Length kSideBySide = 0.005_m;
 constexpr std::int32_t kPatientSteps = 4;
 constexpr std::int32_t kMostApart = 6;
 
+// How far an arm turns in a cycle: against the DCM error 800 degrees/s, more than the servo can follow, and
+// back 150 degrees/s, so that what it took comes back over several steps. By hand, 2026-11-30.
+constexpr Angle kArmTurn = 8.0_deg;
+constexpr Angle kArmReturn = 1.5_deg;
+
 Point scaled(Point p, Gain factor) { return {product<Length>(p.x, factor), product<Length>(p.y, factor)}; }
 
 Point interpolated(Point from, Point to, Ratio fraction) {
@@ -97,16 +102,17 @@ Walker::Walker(const robot::RobotModel& model)
   }
 }
 
-void Walker::start(const WalkParameters& parameters, std::span<const Angle> targets, Side support) {
+void Walker::start(const WalkParameters& parameters, std::span<const Angle> targets,
+                   std::optional<Side> pushed_to) {
   KOBOSHI_ASSERT(is_possible() && targets.size() == model_.joint_count);
   parameters_ = &parameters;
-  use(parameters);
+  pushed_ = stopping_ = pushed_to.has_value();
+  use(wanted());
   changes_.reset();
   carriage_ = gait_.carriage;
   carriage_ticks_left_ = 0;
   std::ranges::copy(targets, standing_targets_.begin());
   targets_ = standing_targets_;
-  stopping_ = false;
   swing_phase_ = Ratio();
   last_steps_ = 0;
   speed_ = Speed();
@@ -114,11 +120,12 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
   dcm_error_ = Point();
   dcm_means_ = {};
   lean_ = lean_mean_ = {};
+  arms_back_ = Angle();
   levels_ = {};
   heading_error_ = Angle();
-  support_ = support;
+  support_ = pushed_to.value_or(Side::kLeft);
   stance_ = Stance();
-  stance_.soles[swing_side()].p.y = support == Side::kLeft ? -gait_.step_width : gait_.step_width;
+  stance_.soles[swing_side()].p.y = support_ == Side::kLeft ? -gait_.step_width : gait_.step_width;
   com_ = PendulumState::at_rest(middle());
   history_.fill({.dcm = com_.dcm, .support = support_, .tick = 0});
   body_.begin_in_parts();
@@ -128,6 +135,13 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
   if (!body_.is_complete()) return;
   stand_on_both(middle());
   begin_weight_shift();
+}
+
+WalkParameters Walker::wanted() const {
+  WalkParameters wanted = *parameters_;
+  const std::int16_t time_ms = wanted.reaction.pushed_step_time_ms;
+  if (pushed_ && time_ms > 0) wanted.step.time_ms = time_ms;
+  return wanted;
 }
 
 void Walker::use(const WalkParameters& parameters) {
@@ -152,8 +166,9 @@ Walker::Landing Walker::landing_for(const Gait& gait, const Pendulum& pendulum) 
 // by the old ones, and then staying twice as long in double support, widened the next step by 60 mm, and the
 // robot fell.
 void Walker::look_for_changes() {
-  if (*parameters_ == in_force_ || !is_gait(*parameters_)) return;
-  changes_ = *parameters_;
+  const WalkParameters wanted = this->wanted();
+  if (wanted == in_force_ || !is_gait(wanted)) return;
+  changes_ = wanted;
   const Gait gait(*changes_);
   landing_on_ = landing_for(gait, Pendulum(gait.carriage.com_height));
 }
@@ -210,7 +225,8 @@ void Walker::advance(const Velocity& command, const Observation& seen) {
     case Phase::kPreparing:
       return run_preparing();
     case Phase::kWeightShift:
-      return run_weight_shift();
+      run_weight_shift();
+      return judge_error();
     case Phase::kStepping:
       run_stepping(stopping_ ? Velocity() : command, seen);
       return judge_error();
@@ -414,14 +430,16 @@ void Walker::plan_landing() {
 // error reaches the widest step, and the other one the narrowest. The ZMP within the sole catches more: a
 // quarter of the CoM's height, which is half of the length of the default robot's sole.
 void Walker::judge_error() {
-  if (phase_ != Phase::kStepping || !reference()) return;
+  if (!reference()) return;
   // A push that the sole holds needs no step, and no divisions.
   if (fixed::abs(dcm_error_.x) <= gait_.dead_band && fixed::abs(dcm_error_.y) <= gait_.dead_band) {
     error_percent_ = 0;
     return;
   }
   const bool left = swing_side() == Side::kLeft;
-  const auto left_ticks = static_cast<std::size_t>(std::max<std::int32_t>(gait_.step_ticks - tick_, 0));
+  // A shift of weight is followed by a whole step.
+  const std::int32_t done_ticks = phase_ == Phase::kStepping ? tick_ : 0;
+  const auto left_ticks = static_cast<std::size_t>(std::max<std::int32_t>(gait_.step_ticks - done_ticks, 0));
   const Gain growth = pendulum_.growth(left_ticks);
   const Gain step_growth = pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks));
   const auto share = [&](Length error, Length reach, Length next_reach) {
@@ -566,15 +584,31 @@ void Walker::level_soles() {
                            .pitch = -product<Angle>(beyond.pitch, levels_[side])};
 }
 
+// Arms that turn with a robot that topples take up its angular momentum L (the pendulum with a flywheel of
+// Pratt, Carff, Drakunov and Goswami, "Capture point: a step toward humanoid push recovery", Humanoids 2006):
+//
+//   m z x'' = m g (x - p) - L'
+//
+// Arms that hang turn back when it topples forward. What they took comes back when they stop, by when a step
+// has been taken.
+void Walker::react_with_arms() {
+  const Length error = fixed::dead_band(dcm_error_.x, gait_.dead_band);
+  const Angle wanted = fixed::from_rad(product<Ratio>(error, gait_.arm_reaction));
+  const bool returns = fixed::abs(wanted) < fixed::abs(arms_back_);
+  const Angle most = returns ? kArmReturn : kArmTurn;
+  arms_back_ += std::clamp(wanted - arms_back_, -most, most);
+}
+
 void Walker::swing_arms() {
+  react_with_arms();
   const Length left_forward = stance_.soles[0].p.x - stance_.soles[1].p.x;
   // An arm that swings forward turns negatively about y; the left arm swings with the right foot.
   const Angle swing = fixed::from_rad(product<Ratio>(left_forward, carriage_.arm_swing));
   for (std::size_t side = 0; side < shoulders_.size(); ++side) {
     const Shoulder& shoulder = shoulders_[side];
-    const std::int32_t turn_raw = (side == 0 ? 1 : -1) * shoulder.sign * swing.raw();
     if (shoulder.sign == 0) continue;
-    targets_[shoulder.joint] = standing_targets_[shoulder.joint] + Angle::from_raw(turn_raw);
+    const Angle turn = side == 0 ? arms_back_ + swing : arms_back_ - swing;
+    targets_[shoulder.joint] = standing_targets_[shoulder.joint] + (shoulder.sign > 0 ? turn : -turn);
   }
 }
 

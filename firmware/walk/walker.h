@@ -73,15 +73,17 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   // Begins a walk from standing at `targets`, one angle a joint, to which it returns in the end. `parameters`
   // must be a gait (walk::is_gait), and outlive the walk. The walk takes changes of them with its next step
   // but one, except those that leave no gait. What does not belong to the plan of a step (Carriage) goes
-  // over to its new value within a quarter of a second, so that no joint jumps. `support`: the foot that
-  // bears the robot in the first step.
+  // over to its new value within a quarter of a second, so that no joint jumps.
+  // `pushed_to`: the robot was pushed to this side. The foot there bears it in the first step, the steps have
+  // a time of their own (2132:0E), and the walk ends as after stop(), unless resume() makes it an ordinary
+  // one.
   void start(const WalkParameters& parameters, std::span<const fixed::Angle> targets,
-             hal::Side support = hal::Side::kLeft);
+             std::optional<hal::Side> pushed_to = std::nullopt);
   // Brings the robot to a stand: it slows down, puts its feet side by side and ends the walk.
   void stop() { stopping_ = true; }
   bool stopping() const { return stopping_; }
   // Takes the stop back. Once the closing step has begun, the walk ends all the same, with stopping() false.
-  void resume() { stopping_ = false; }
+  void resume() { stopping_ = pushed_ = false; }
   // Ends the walk at once; the targets stay as they are.
   void abort() {
     phase_ = Phase::kIdle;
@@ -117,8 +119,9 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   [[nodiscard]] std::optional<Point> dcm_error() const {
     return reference() ? std::optional(dcm_error_) : std::nullopt;
   }
-  // The DCM error in percent of the greatest one that the next steps catch; none unless the robot steps and
-  // the error is measured. 0 within the dead band. Saturates. Derivation in walker.cc.
+  // The DCM error in percent of the greatest one that the next steps catch; none unless the robot steps, or
+  // shifts its weight for the first step, and the error is measured. 0 within the dead band. Saturates.
+  // Derivation in walker.cc.
   [[nodiscard]] std::optional<std::uint16_t> error_percent() const { return error_percent_; }
   // The phase of the walk: half a turn for each step, that of the left support foot first. None while the
   // walk does not step.
@@ -158,6 +161,7 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   };
 
   void enter(Phase phase);
+  [[nodiscard]] WalkParameters wanted() const;
   void use(const WalkParameters& parameters);
   [[nodiscard]] static Landing landing_for(const Gait& gait, const Pendulum& pendulum);
   // At the beginning of a step: notes changed parameters, if they are a gait, for the step after it.
@@ -191,6 +195,7 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   void stand_on_both(Point zmp);
   // Writes the targets of legs and arms for the stance.
   void pose();
+  void react_with_arms();
   void swing_arms();
   void blend();
 
@@ -213,6 +218,7 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
 
   Phase phase_ = Phase::kIdle;
   bool stopping_ = false;
+  bool pushed_ = false;
   // Cycles since the phase or the step began; in the closing step, since the ZMP has been midway.
   std::int32_t tick_ = 0;
   hal::Side support_ = hal::Side::kLeft;
@@ -230,6 +236,7 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   // The trunk's lean, measured less planned, and its slow mean: roll to the right and pitch forward.
   Tilt lean_;
   Tilt lean_mean_;
+  fixed::Angle arms_back_;              // from where they swing, against the DCM error; positive back
   fixed::Ratio swing_phase_;            // 0 to 1, of the present or the last swing
   hal::BySide<fixed::Ratio> levels_{};  // how far each sole is held level against the lean
   std::int32_t last_steps_ = 0;         // on the spot, of a robot that is to stop

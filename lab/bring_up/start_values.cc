@@ -149,6 +149,9 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
   set_value(parameters, "com_height_mm",
             kMmPerM * (body.com_m - (1.0 - leg_use) * body.limb_m) * factors.com_height);
   multiply_value(parameters, "step_time_ms", factors.step_time);
+  multiply_value(parameters, "pushed_step_time_ms", factors.step_time);
+  // Whether its arms are free to turn that far is not known.
+  set_value(parameters, "arm_reaction_rad_per_m", 0.0);
   // The ZMP keeps its place in the sole, which need not be below the ankle.
   set_value(parameters, "zmp_forward_mm",
             kMmPerM * (body.sole_middle_m - scale * from.sole_middle_m) +

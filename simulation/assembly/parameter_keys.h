@@ -92,6 +92,8 @@ inline constexpr ParameterKey kParameterKeys[] = {
     {{0x2132, 0x0B}, "longest_zmp_shift_forward_mm"},
     {{0x2132, 0x0C}, "longest_zmp_shift_lateral_mm"},
     {{0x2132, 0x0D}, "longest_standing_dcm_mm"},
+    {{0x2132, 0x0E}, "pushed_step_time_ms"},
+    {{0x2132, 0x0F}, "arm_reaction_rad_per_m"},
     {{0x2140, 0x01}, "fall_to_the_front_deg"},
     {{0x2140, 0x02}, "fall_to_the_back_deg"},
     {{0x2140, 0x03}, "fall_to_the_side_deg"},

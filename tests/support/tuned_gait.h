@@ -38,7 +38,9 @@ inline walk::WalkParameters tuned_gait() {
                        .zmp_tracking_lateral = 1030,
                        .max_zmp_shift_forward = 500,
                        .max_zmp_shift_lateral = 120,
-                       .max_standing_dcm = 370}};
+                       .max_standing_dcm = 370,
+                       .pushed_step_time_ms = 140,
+                       .arm_reaction = 6000}};
 }
 
 }  // namespace koboshi::test

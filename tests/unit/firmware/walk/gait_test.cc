@@ -46,7 +46,8 @@ TEST(Gait, ConvertsTheParametersToQuantities) {
                                 .dead_band = 59,
                                 .smoothing = 360,
                                 .touchdown_load_cN = 250,
-                                .heading_hold = 125}});
+                                .heading_hold = 125,
+                                .arm_reaction = 1234}});
   EXPECT_EQ(gait.step_ticks, 24);
   EXPECT_EQ(gait.double_ticks, 6);
   EXPECT_NEAR(to_double(gait.step_width), 0.0771, kLengthLsb_m);
@@ -70,6 +71,7 @@ TEST(Gait, ConvertsTheParametersToQuantities) {
   EXPECT_NEAR(to_double(gait.smoothing), 0.36, 1e-9);
   EXPECT_NEAR(to_double(gait.touchdown_load), 2.5, 1e-4);
   EXPECT_NEAR(to_double(gait.heading_hold), 0.125, 1e-9);
+  EXPECT_NEAR(to_double(gait.arm_reaction), 12.34, 1e-5);
 }
 
 TEST(Gait, IsInvalidWithoutAnyRequiredParameter) {

@@ -72,7 +72,8 @@ TEST(SameBits, OfAWalkThatReacts) {
                        .zmp_tracking_forward = 1000,
                        .zmp_tracking_lateral = 600,
                        .max_zmp_shift_forward = 150,
-                       .max_zmp_shift_lateral = 120};
+                       .max_zmp_shift_lateral = 120,
+                       .arm_reaction = 4000};
   reacting.posture.pitch_compliance = 1285;
   reacting.posture.roll_compliance = 399;
   EXPECT_EQ(walk_digest(reacting, 2), 0x218A'88B3'87C7'E20Bu);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -115,6 +116,56 @@ TEST(WalkerCapture, DoesNothingWithinTheDeadBandOrWithoutGain) {
   }
 }
 
+// The angle by which both arms are turned back from where the robot holds them.
+double arms_back_rad(const WalkingRobot& robot) {
+  constexpr std::size_t kLeftShoulder = 12, kRightShoulder = 15;
+  const double left_rad = to_double(robot.targets()[kLeftShoulder] - robot.standing[kLeftShoulder]);
+  EXPECT_EQ(robot.targets()[kRightShoulder] - robot.standing[kRightShoulder],
+            robot.targets()[kLeftShoulder] - robot.standing[kLeftShoulder]);
+  return left_rad;
+}
+
+TEST(WalkerArms, TurnAgainstAnErrorFastAndReturnSlowly) {
+  for (const double sign : {1.0, -1.0}) {
+    WalkParameters parameters = capturing(0, 0);
+    parameters.reaction.arm_reaction = 5'000;
+    WalkingRobot robot = before_a_step_of(Side::kLeft, parameters);
+    EXPECT_EQ(arms_back_rad(robot), 0.0);
+    const double reached_rad = 50.0 * (0.025 - 0.005);
+    for (int tick = 1; tick <= 20; ++tick) {
+      robot.advance({}, beside_the_plan(robot.walker, sign * 0.025, 0));
+      EXPECT_NEAR(arms_back_rad(robot), sign * std::min(reached_rad, tick * 8.0 * M_PI / 180), 1e-3) << tick;
+    }
+    for (int tick = 1; tick <= 60; ++tick) {
+      robot.advance({}, beside_the_plan(robot.walker, 0, 0));
+      EXPECT_NEAR(arms_back_rad(robot), sign * std::max(0.0, reached_rad - tick * 1.5 * M_PI / 180), 1e-3)
+          << tick;
+    }
+  }
+}
+
+TEST(WalkerArms, StayWithinTheDeadBandAndAgainstAnErrorToTheSide) {
+  WalkParameters parameters = capturing(0, 0);
+  parameters.reaction.arm_reaction = 5'000;
+  WalkingRobot robot = before_a_step_of(Side::kLeft, parameters);
+  for (int tick = 0; tick < 100; ++tick) {
+    robot.advance({}, beside_the_plan(robot.walker, 0.0049, 0.03));
+    ASSERT_EQ(arms_back_rad(robot), 0.0) << tick;
+  }
+}
+
+TEST(WalkerArms, AreWhereTheyBeganInTheNextWalk) {
+  WalkParameters parameters = capturing(0, 0);
+  parameters.reaction.arm_reaction = 5'000;
+  WalkingRobot robot = before_a_step_of(Side::kLeft, parameters);
+  for (int tick = 0; tick < 20; ++tick) robot.advance({}, beside_the_plan(robot.walker, 0.025, 0));
+  ASSERT_GT(arms_back_rad(robot), 0.9);
+  robot.walker.abort();
+  robot.walker.start(robot.parameters, robot.standing);
+  for (int tick = 0; tick < 50; ++tick) robot.advance({}, beside_the_plan(robot.walker, 0, 0));
+  EXPECT_EQ(arms_back_rad(robot), 0.0);
+}
+
 TEST(WalkerCapture, DoesNotUseADcmInTheFrameOfTheOtherFoot) {
   WalkingRobot robot(capturing(500, 500));
   WalkingRobot walks(capturing(500, 500));
@@ -202,6 +253,20 @@ TEST(WalkerCapture, TellsTheErrorInShareOfWhatTheStepsCatch) {
   robot.advance({}, beside_the_plan(robot.walker, 0, -0.02));
   const double last = std::exp(0.03 / 0.13166);
   EXPECT_NEAR(*robot.walker.error_percent(), 100 * 0.02 * last / aside_m(narrower_m, wider_m), 1.0);
+}
+
+// A step is about to be taken, and the fall detector must not give the robot up before.
+TEST(WalkerCapture, TellsTheErrorWhileTheWeightShiftsForTheFirstStep) {
+  WalkParameters parameters = capturing(0, 0);
+  parameters.step.max_forward = 1000;
+  WalkingRobot robot(parameters);
+  for (int tick = 0; tick < 3; ++tick) robot.advance({}, beside_the_plan(robot.walker, 0, 0));
+  EXPECT_EQ(robot.walker.error_percent(), 0);
+  robot.advance({}, beside_the_plan(robot.walker, 0.02, 0));
+  ASSERT_FALSE(robot.walker.phase()) << "it steps already";
+  const double growth = std::exp(0.26 / 0.13166);
+  const double ahead_m = 0.1 * (1 + 1 / growth) / (1 - 1 / (growth * growth)) + 0.17 / 4;
+  EXPECT_NEAR(*robot.walker.error_percent(), 100 * 0.02 * growth / ahead_m, 1.0);
 }
 
 TEST(WalkerCapture, TellsNoErrorThatItDoesNotMeasure) {
