@@ -406,7 +406,7 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Step time when pushed",
       .unit = kTimeUnit,
       .comment = "Of the steps that a robot takes which was pushed while it stood; 0: as in a walk."}},
-    {OBJECT(0x2132, 15, walk.reaction.arm_reaction, kReadWrite).within(0, 10'000),
+    {OBJECT(0x2132, 15, walk.reaction.arm_reaction, kReadWrite).within(0, 30'000),
      {.name = "Arm reaction",
       .unit = kAngleByErrorUnit,
       .comment = "Angle by which the arms turn back per forward DCM error beyond the dead band; 0: off."}},

@@ -136,6 +136,8 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
   set_supply_load(parameters, robot);
   // The plan follows arms and waist; only the reference was tuned without.
   set_value(parameters, "fixed_upper_body", 0.0);
+  // Whether its arms are free to turn that far is not known.
+  set_value(parameters, "arm_reaction_rad_per_m", 0.0);
   set_value(parameters, "touchdown_load_N", 0.0);
   // Legs that stand far apart walk on a narrower track: the sway of the body from foot to foot grows with its
   // width. 1.14 walks.
@@ -150,8 +152,6 @@ StartValues scaled_values(const RobotParameters& reference, const BodyMeasures& 
             kMmPerM * (body.com_m - (1.0 - leg_use) * body.limb_m) * factors.com_height);
   multiply_value(parameters, "step_time_ms", factors.step_time);
   multiply_value(parameters, "pushed_step_time_ms", factors.step_time);
-  // Whether its arms are free to turn that far is not known.
-  set_value(parameters, "arm_reaction_rad_per_m", 0.0);
   // The ZMP keeps its place in the sole, which need not be below the ankle.
   set_value(parameters, "zmp_forward_mm",
             kMmPerM * (body.sole_middle_m - scale * from.sole_middle_m) +

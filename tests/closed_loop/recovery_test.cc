@@ -64,6 +64,7 @@ TEST(Recovery, RisesFromTheSeatAfterAFallToTheBack) {
   RobotRun run(
       read("get_up.yaml",
            {{"pushes", "[{at_s: 8, duration_s: 0.1, shape: half-sine, link: trunk, force_N: [-11, 0, 0]}]"},
+            {"parameters.longest_standing_dcm_mm", "0"},  // a step would catch it
             {"commands", "[{at_s: 2, enable: true}]"}}));
   ASSERT_TRUE(run.run_until(State::kFalling, 9'000'000));
   ASSERT_TRUE(run.run_until(State::kRising, 13'000'000));

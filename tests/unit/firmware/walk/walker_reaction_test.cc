@@ -116,6 +116,63 @@ TEST(WalkerCapture, DoesNothingWithinTheDeadBandOrWithoutGain) {
   }
 }
 
+// The foot that bears a robot which takes steps, and for how many cycles.
+struct Step {
+  Side support;
+  int ticks;
+};
+
+// The steps of a robot that was pushed and is beside its plan for a second, until it stands.
+std::vector<Step> steps_after_a_push(const WalkParameters& parameters, Side pushed_to) {
+  WalkingRobot robot(parameters);
+  robot.walker.start(robot.parameters, robot.standing, pushed_to);
+  std::vector<Step> steps;
+  for (int tick = 0; tick < 1'000 && robot.walker.running(); ++tick) {
+    robot.advance({}, beside_the_plan(robot.walker, tick < 100 ? 0.02 : 0.0, 0));
+    const auto support = robot.walker.support();
+    if (!support) continue;
+    if (steps.empty() || steps.back().support != *support) steps.push_back({*support, 0});
+    ++steps.back().ticks;
+  }
+  EXPECT_FALSE(robot.walker.running());
+  return steps;
+}
+
+TEST(WalkerPushed, TakesFastStepsFromTheFootToWhichItIsPushed) {
+  WalkParameters parameters = capturing(500, 500);
+  parameters.reaction.pushed_step_time_ms = 180;
+  for (const Side side : {Side::kLeft, Side::kRight}) {
+    const std::vector<Step> steps = steps_after_a_push(parameters, side);
+    ASSERT_GE(steps.size(), 4u);
+    EXPECT_EQ(steps.front().support, side);
+    for (const Step& step : steps) EXPECT_EQ(step.ticks, 18);
+  }
+}
+
+TEST(WalkerPushed, StepsAsInAWalkWithoutATimeOfItsOwn) {
+  const std::vector<Step> steps = steps_after_a_push(capturing(500, 500), Side::kLeft);
+  ASSERT_GE(steps.size(), 3u);
+  for (const Step& step : steps) EXPECT_EQ(step.ticks, 26);
+}
+
+TEST(WalkerPushed, WalksOnWithTheTimeOfAWalk) {
+  WalkParameters parameters = capturing(500, 500);
+  parameters.reaction.pushed_step_time_ms = 180;
+  WalkingRobot robot(parameters);
+  robot.walker.start(robot.parameters, robot.standing, Side::kLeft);
+  EXPECT_TRUE(robot.walker.stopping());
+  robot.walker.resume();
+  EXPECT_FALSE(robot.walker.stopping());
+  for (int tick = 0; tick < 200; ++tick) robot.advance({100, 0, 0}, beside_the_plan(robot.walker, 0, 0));
+  ASSERT_TRUE(robot.walker.support());
+  const Side support = *robot.walker.support();
+  while (robot.walker.support() == support) robot.advance({100, 0, 0}, beside_the_plan(robot.walker, 0, 0));
+  int ticks = 0;
+  for (; robot.walker.support() == other(support); ++ticks)
+    robot.advance({100, 0, 0}, beside_the_plan(robot.walker, 0, 0));
+  EXPECT_EQ(ticks, 26);
+}
+
 // The angle by which both arms are turned back from where the robot holds them.
 double arms_back_rad(const WalkingRobot& robot) {
   constexpr std::size_t kLeftShoulder = 12, kRightShoulder = 15;
