@@ -47,10 +47,16 @@ class StartValuesOf : public testing::Test {
 
 TEST_F(StartValuesOf, TheReferenceAreItsOwn) {
   const StartValues values = scaled();
-  for (const char* key : {"step_time_ms", "com_height_mm", "zmp_forward_mm", "pitch_compliance_rad_per_m",
-                          "roll_compliance_rad_per_m", "trunk_pitch_deg"})
+  for (const char* key : {"step_time_ms", "pushed_step_time_ms", "com_height_mm", "zmp_forward_mm",
+                          "pitch_compliance_rad_per_m", "roll_compliance_rad_per_m", "trunk_pitch_deg"})
     EXPECT_NEAR(values.value(key), of_reference(key), 1e-9) << key;
   EXPECT_DOUBLE_EQ(values.time_scale, 1.0);
+}
+
+// They may strike its trunk.
+TEST_F(StartValuesOf, ARobotKeepsItsArmsStillWhenItIsPushed) {
+  EXPECT_GT(of_reference("arm_reaction_rad_per_m"), 0.0);
+  EXPECT_EQ(scaled().value("arm_reaction_rad_per_m"), 0.0);
 }
 
 TEST_F(StartValuesOf, ASoleElsewhereTakeTheZmpAlong) {
