@@ -68,6 +68,10 @@ constexpr std::int32_t kMostApart = 6;
 // back 150 degrees/s, so that what it took comes back over several steps. By hand, 2026-11-30.
 constexpr Angle kArmTurn = 8.0_deg;
 constexpr Angle kArmReturn = 1.5_deg;
+// How far it turns. By hand, 2026-11-30: of 100 pushes ahead 9 are lost without the arms, 6, 5 and 4 with 40,
+// 60 and 115 degrees; but the further back they are, the later they are in front of a robot that falls all
+// the same (docs/experiment/fall-detection.md).
+constexpr Angle kMostArms = 60.0_deg;
 
 Point scaled(Point p, Gain factor) { return {product<Length>(p.x, factor), product<Length>(p.y, factor)}; }
 
@@ -593,7 +597,8 @@ void Walker::level_soles() {
 // has been taken.
 void Walker::react_with_arms() {
   const Length error = fixed::dead_band(dcm_error_.x, gait_.dead_band);
-  const Angle wanted = fixed::from_rad(product<Ratio>(error, gait_.arm_reaction));
+  const Angle turn = fixed::from_rad(product<Ratio>(error, gait_.arm_reaction));
+  const Angle wanted = std::clamp(turn, -kMostArms, kMostArms);
   const bool returns = fixed::abs(wanted) < fixed::abs(arms_back_);
   const Angle most = returns ? kArmReturn : kArmTurn;
   arms_back_ += std::clamp(wanted - arms_back_, -most, most);

@@ -201,7 +201,15 @@ TEST(WalkerArms, TurnAgainstAnErrorFastAndReturnSlowly) {
   }
 }
 
-TEST(WalkerArms, StayWithinTheDeadBandAndAgainstAnErrorToTheSide) {
+TEST(WalkerArms, TurnNoFurtherThanTheyCanReturnBeforeAnImpact) {
+  WalkParameters parameters = capturing(0, 0);
+  parameters.reaction.arm_reaction = 5'000;
+  WalkingRobot robot = before_a_step_of(Side::kLeft, parameters);
+  for (int tick = 0; tick < 20; ++tick) robot.advance({}, beside_the_plan(robot.walker, -0.05, 0));
+  EXPECT_NEAR(arms_back_rad(robot), -60.0 * M_PI / 180, 1e-6);
+}
+
+TEST(WalkerArms, StayStillWithinTheDeadBandAndForAnErrorToTheSide) {
   WalkParameters parameters = capturing(0, 0);
   parameters.reaction.arm_reaction = 5'000;
   WalkingRobot robot = before_a_step_of(Side::kLeft, parameters);
