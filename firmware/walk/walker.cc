@@ -593,7 +593,7 @@ void Walker::level_soles() {
 //
 //   m z x'' = m g (x - p) - L'
 //
-// Arms that hang turn back when it topples forward. What they took comes back when they stop, by when a step
+// Arms that hang turn back when it topples forward. What they took comes back when they stop; by then a step
 // has been taken.
 void Walker::react_with_arms() {
   const Length error = fixed::dead_band(dcm_error_.x, gait_.dead_band);
