@@ -328,9 +328,9 @@ void Behaviour::run_enabling(const Cycle& cycle) {
 // A robot that is pushed beyond what its soles hold walks until it stands again. One without a motion to sit
 // down stands on a low supply.
 void Behaviour::run_standing(const Cycle& cycle) {
-  const auto support = CommandedWalk::needed(parameters_.walk, cycle.robot);
-  if (support && is_in_standing_pose() && refusal_to_walk(cycle.robot) == Reason::kNone) {
-    begin_walk(support);
+  const auto pushed_to = CommandedWalk::needed(parameters_.walk, cycle.robot);
+  if (pushed_to && is_in_standing_pose() && refusal_to_walk(cycle.robot) == Reason::kNone) {
+    begin_walk(pushed_to);
     handle(Event::kPushed, Reason::kPushed, cycle);
     return run_source(walk_, cycle);
   }

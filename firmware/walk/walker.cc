@@ -69,8 +69,8 @@ constexpr std::int32_t kMostApart = 6;
 constexpr Angle kArmTurn = 8.0_deg;
 constexpr Angle kArmReturn = 1.5_deg;
 // How far it turns. By hand, 2026-11-30: of 100 pushes ahead 9 are lost without the arms, 6, 5 and 4 with 40,
-// 60 and 115 degrees; but the further back they are, the later they are in front of a robot that falls all
-// the same (docs/experiment/fall-detection.md).
+// 60 and 115 degrees; but the further back they are, the later they break the fall of a robot that falls all
+// the same (docs/experiment/closed-loop-walk.md).
 constexpr Angle kMostArms = 60.0_deg;
 
 Point scaled(Point p, Gain factor) { return {product<Length>(p.x, factor), product<Length>(p.y, factor)}; }
