@@ -5,7 +5,6 @@
 #include "firmware/fixed/contract.h"
 #include "firmware/fixed/dead_band.h"
 #include "firmware/fixed/interpolation.h"
-#include "firmware/fixed/radians.h"
 #include "firmware/fixed/trigonometry.h"
 #include "firmware/robot/leg.h"
 
@@ -64,15 +63,6 @@ constexpr Length kSideBySide = 0.005_m;
 constexpr std::int32_t kPatientSteps = 4;
 constexpr std::int32_t kMostApart = 6;
 
-// How far an arm turns in a cycle: against the DCM error 800 degrees/s, more than the servo can follow, and
-// back 150 degrees/s, so that what it took comes back over several steps. By hand, 2026-11-30.
-constexpr Angle kArmTurn = 8.0_deg;
-constexpr Angle kArmReturn = 1.5_deg;
-// How far it turns. By hand, 2026-11-30: of 100 pushes ahead 9 are lost without the arms, 6, 5 and 4 with 40,
-// 60 and 115 degrees; but the further back they are, the later they break the fall of a robot that falls all
-// the same (docs/experiment/closed-loop-walk.md).
-constexpr Angle kMostArms = 60.0_deg;
-
 Point scaled(Point p, Gain factor) { return {product<Length>(p.x, factor), product<Length>(p.y, factor)}; }
 
 Point interpolated(Point from, Point to, Ratio fraction) {
@@ -93,18 +83,10 @@ Point seen_from(const Foothold& sole, Point p) { return turned(p - sole.p, -sole
 Walker::Walker(const robot::RobotModel& model)
     : model_(model),
       body_(model),
+      arms_(model),
       pendulum_(gait_.carriage.com_height),
       footsteps_({}, {}, {}),
-      landing_on_{footsteps_, {}, {}} {
-  using enum robot::JointRole;
-  const std::array roles{kLeftShoulderPitch, kRightShoulderPitch};
-  for (std::size_t side = 0; side < roles.size(); ++side) {
-    if (const auto joint = model.find(roles[side])) {
-      const bool axis_points_left = model.joints[*joint].axis.y > Ratio();
-      shoulders_[side] = {*joint, static_cast<std::int8_t>(axis_points_left ? 1 : -1)};
-    }
-  }
-}
+      landing_on_{footsteps_, {}, {}} {}
 
 void Walker::start(const WalkParameters& parameters, std::span<const Angle> targets,
                    std::optional<Side> pushed_to) {
@@ -124,7 +106,7 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
   dcm_error_ = Point();
   dcm_means_ = {};
   lean_ = lean_mean_ = {};
-  arms_back_ = Angle();
+  arms_.reset();
   levels_ = {};
   heading_error_ = Angle();
   support_ = pushed_to.value_or(Side::kLeft);
@@ -555,7 +537,8 @@ void Walker::pose() {
   stance_.zmp = planned + zmp_shift();
   body_.solve(stance_, carriage_.compliance, targets_);
   stance_.zmp = planned;
-  swing_arms();
+  arms_.react(fixed::dead_band(dcm_error_.x, gait_.dead_band), gait_.arm_reaction);
+  arms_.pose(stance_.soles[0].p.x - stance_.soles[1].p.x, carriage_.arm_swing, standing_targets_, targets_);
   blend();
 }
 
@@ -586,35 +569,6 @@ void Walker::level_soles() {
   for (std::size_t side = 0; side < levels_.size(); ++side)
     stance_.tilts[side] = {.roll = -product<Angle>(beyond.roll, levels_[side]),
                            .pitch = -product<Angle>(beyond.pitch, levels_[side])};
-}
-
-// Arms that turn with a robot that topples take up its angular momentum L (the pendulum with a flywheel of
-// Pratt, Carff, Drakunov and Goswami, "Capture point: a step toward humanoid push recovery", Humanoids 2006):
-//
-//   m z x'' = m g (x - p) - L'
-//
-// Arms that hang turn back when it topples forward. What they took comes back when they stop; by then a step
-// has been taken.
-void Walker::react_with_arms() {
-  const Length error = fixed::dead_band(dcm_error_.x, gait_.dead_band);
-  const Angle turn = fixed::from_rad(product<Ratio>(error, gait_.arm_reaction));
-  const Angle wanted = std::clamp(turn, -kMostArms, kMostArms);
-  const bool returns = fixed::abs(wanted) < fixed::abs(arms_back_);
-  const Angle most = returns ? kArmReturn : kArmTurn;
-  arms_back_ += std::clamp(wanted - arms_back_, -most, most);
-}
-
-void Walker::swing_arms() {
-  react_with_arms();
-  const Length left_forward = stance_.soles[0].p.x - stance_.soles[1].p.x;
-  // An arm that swings forward turns negatively about y; the left arm swings with the right foot.
-  const Angle swing = fixed::from_rad(product<Ratio>(left_forward, carriage_.arm_swing));
-  for (std::size_t side = 0; side < shoulders_.size(); ++side) {
-    const Shoulder& shoulder = shoulders_[side];
-    if (shoulder.sign == 0) continue;
-    const Angle turn = side == 0 ? arms_back_ + swing : arms_back_ - swing;
-    targets_[shoulder.joint] = standing_targets_[shoulder.joint] + (shoulder.sign > 0 ? turn : -turn);
-  }
 }
 
 Point Walker::zmp_under(Side side) const {

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "firmware/fixed/literals.h"
+#include "firmware/walk/arms.h"
 #include "firmware/walk/body.h"
 #include "firmware/walk/footsteps.h"
 #include "firmware/walk/gait.h"
@@ -154,12 +155,6 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
     hal::Side support = hal::Side::kLeft;
     std::uint8_t tick = 0;  // of the step; 0 outside of a step
   };
-  // The pitch joint of a shoulder: its arm swings with the foot of the other side.
-  struct Shoulder {
-    robot::JointIndex joint;
-    std::int8_t sign = 0;  // of the joint's axis; 0 on a robot without the joint
-  };
-
   void enter(Phase phase);
   [[nodiscard]] WalkParameters wanted() const;
   void use(const WalkParameters& parameters);
@@ -195,8 +190,6 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   void stand_on_both(Point zmp);
   // Writes the targets of legs and arms for the stance.
   void pose();
-  void react_with_arms();
-  void swing_arms();
   void blend();
 
   [[nodiscard]] Point zmp_under(hal::Side side) const;
@@ -205,7 +198,7 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
 
   const robot::RobotModel& model_;
   Body body_;
-  hal::BySide<Shoulder> shoulders_{};
+  Arms arms_;
   const WalkParameters* parameters_ = nullptr;  // of the caller
   WalkParameters in_force_;
   std::optional<WalkParameters> changes_;  // of which the present step prepares the next one
@@ -236,7 +229,6 @@ class Walker {  // Large: the plan of a step is one state, which the phases adva
   // The trunk's lean, measured less planned, and its slow mean: roll to the right and pitch forward.
   Tilt lean_;
   Tilt lean_mean_;
-  fixed::Angle arms_back_;              // from where they swing, against the DCM error; positive back
   fixed::Ratio swing_phase_;            // 0 to 1, of the present or the last swing
   hal::BySide<fixed::Ratio> levels_{};  // how far each sole is held level against the lean
   std::int32_t last_steps_ = 0;         // on the spot, of a robot that is to stop
